@@ -28,7 +28,7 @@ from ..participants.protocol import Participant
 from ..store.atomic_write import write_whole
 from ..store.json_codec import Plain, from_text, to_text
 
-FORMAT = "tribocosim checkpoint 6"
+FORMAT = "tribocosim checkpoint 7"
 # With another version of these the last bits may differ.
 COMPUTING = ("tribocosim", "numpy", "scipy", "numba", "llvmlite")
 # So they may with other code for the processor, which these choose.

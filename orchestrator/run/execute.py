@@ -1,6 +1,5 @@
 """Execute a plan: the coupled run with its participants and observers."""
 
-import time as clock
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -9,9 +8,8 @@ from dataclasses import replace
 from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
-from ..engine.coupling import Coupling
 from ..engine.effort import Spent
-from ..engine.energy import Ledger, Trimmed
+from ..engine.energy import Ledger
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import ParticipantError, RefusedError, RunError, StalledError
@@ -24,7 +22,7 @@ from .checkpoint import Checkpoints, Identity
 from .interruption import Interruption
 from .plan import Lifetimes, Plan, open_participants
 from .record import ResultRecorder, TextRecorder, list_texts
-from .simulation import Statistics, simulate
+from .simulation import Run, Session, Statistics
 from .summary import ENDS, Summary, Warnings, begin_summary
 
 Checkpoint = tuple[Identity, Plain]
@@ -52,58 +50,62 @@ def execute(
     try:
         statistics = _couple(plan, folder, reporter, observation, identity, checkpoint)
     except ENDS as error:
-        refused = observation.counter.steps < 0 and not isinstance(error, StalledError)
+        refused = not observation.start.seen and not isinstance(error, StalledError)
         if refused and isinstance(error, ParticipantError):
             raise RefusedError(error) from None
         return observation.complete(summary.end_by(error, folder.path))
-    return replace(
-        observation.complete(summary),
-        complete=True,
-        do_steps=statistics.do_steps,
-        coupled_time_s=statistics.coupled_time_s,
-        python_sweeps=statistics.python_sweeps,
-        without_rates=statistics.without_rates,
-        unproven=statistics.unproven,
-    )
+    return replace(observation.complete(summary), complete=True, **vars(statistics))
 
 
 class _Observation:
     """The observers of a run and what they have seen; `system` is the one to be run."""
 
+    run: Run  # from its start on
+
     def __init__(self, plan: Plan, folder: OutputFolder) -> None:
-        system, every, stop = plan.system, plan.scenario.record_every, plan.stop_time
+        self.system, every, stop = plan.counted or plan.system, plan.scenario.record_every, plan.stop_time
         held_for = 0.0 if plan.scenario.exposed else FLUSH_SECONDS  # a process that ends takes no rows along
-        self.contacts = ContactObserver(system)
-        self.counter = _Counter(folder.backup.delete)
+        self.contacts = ContactObserver(plan.system)
+        self.start = _Start(folder.backup.delete)
         self.warnings: dict[str, Warnings] = {}
         self.lifetimes: Lifetimes = defaultdict(float), defaultdict(float)
         self.recorder = ResultRecorder(folder.unfinished, plan.quantities, every, held_for, stop)
-        recorders: list[Observer] = [self.recorder]
         texts = list_texts(plan.third_party)
+        self._ledger = Ledger(self.system, every, folder.unfinished, stop) if plan.counted else None
+        ledgers = [self._ledger] if self._ledger else []
         text_recorders = [TextRecorder(folder.path / TEXTS, texts)] if texts else []
-        self._ledger = None
-        if plan.counted is not None:
-            system = plan.counted
-            self._ledger = Ledger(system, every, folder.unfinished, stop)
-            recorders = [Trimmed(self.recorder, system), self._ledger]
-        self.system = system
-        self.observers = [*recorders, *text_recorders, self.contacts, self.counter]
+        self.observers: list[Observer] = [
+            self.recorder, *ledgers, *text_recorders, self.contacts, self.start
+        ]  # fmt: skip
 
     def complete(self, summary: Summary) -> Summary:
         """The summary with what was observed."""
-        if self.counter.steps < 0:
+        if not self.start.seen:
             return replace(summary, warnings=self.warnings)
+        statistics = self.run.statistics()
         return replace(
             summary,
-            macro_steps=self.counter.steps,
-            iterations=self.counter.iterations,
-            coupled_time_s=self.counter.time_s,
+            macro_steps=statistics.macro_steps,
+            iterations=statistics.iterations,
+            coupled_time_s=statistics.coupled_time_s,
             contacts=self.contacts.summaries(),
             energy=self._ledger.account() if self._ledger else None,
-            effort=self.counter.list_efforts(self.lifetimes),
+            effort=self._list_efforts(),
             warnings=self.warnings,
             senseless=self.recorder.senseless,
         )
+
+    def _list_efforts(self) -> dict[str, Spent]:
+        """What each participant took, by its name."""
+        coupling, (opening, closing) = self.run.session.coupling, self.lifetimes
+        calls, effort = coupling.calls, coupling.effort
+        return {
+            name: Spent(
+                int(calls[i]), effort.restored[i], opening[name], effort.initialising[i],
+                effort.stepping[i], effort.saving[i], closing[name], effort.own_steps[i], effort.failed[i],
+            )
+            for i, name in enumerate(coupling.wiring.names)
+        }  # fmt: skip
 
 
 def _couple(
@@ -126,16 +128,10 @@ def _couple(
                     observers.append(
                         Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
                     )
-                return simulate(
-                    system,
-                    participants,
-                    plan.master,
-                    plan.make_steps(),
-                    stop,
-                    [*observers, bar, interruption],
-                    resumed=checkpoint[1] if checkpoint else None,
-                    lines=plan.side_lines,
-                )
+                steps, lines = plan.make_steps(), plan.side_lines
+                session = Session(system, participants, plan.master, steps, stop, lines=lines)
+                observation.run = Run(session, [*observers, bar, interruption])
+                return observation.run.make(checkpoint[1] if checkpoint else None)
         finally:
             observation.warnings = _collect_warnings(participants)
 
@@ -151,51 +147,18 @@ def _collect_warnings(units: Mapping[str, Participant]) -> dict[str, Warnings]:
     return found
 
 
-class _Counter(Observer):
-    """Counts steps, iterations and time (s) from the start values on, also of a run that ends early. Calls
-    `begun` at the start values; until then `steps` is -1."""
+class _Start(Observer):
+    """Calls `begun` at the first values; `seen`: there were some."""
 
-    steps = -1
-    iterations = 0
-    time_s = 0.0
+    seen = False
 
     def __init__(self, begun: Callable[[], None]) -> None:
         self._begun = begun
 
-    def watch(self, coupling: Coupling) -> None:
-        self._coupling = coupling
-
-    def list_efforts(self, lifetimes: Lifetimes) -> dict[str, Spent]:
-        """What each participant took, by its name."""
-        calls, effort, (opening, closing) = self._coupling.calls, self._coupling.effort, lifetimes
-        return {
-            name: Spent(
-                int(calls[i]), effort.restored[i], opening[name], effort.initialising[i],
-                effort.stepping[i], effort.saving[i], closing[name], effort.own_steps[i], effort.failed[i],
-            )
-            for i, name in enumerate(self._coupling.wiring.names)
-        }  # fmt: skip
-
-    def begin(self, names: Sequence[str]) -> None:
-        self._start = clock.perf_counter()
-
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
-        self.steps += 1
-        if not self.steps:
+        if not self.seen:
+            self.seen = True
             self._begun()
-            self._start = clock.perf_counter()
-        self.iterations += step.iterations
 
-    def state(self) -> dict[str, Plain]:
-        return {
-            "steps": self.steps,
-            "iterations": self.iterations,
-            "time_s": clock.perf_counter() - self._start,
-        }
-
-    def resume(self, names: Sequence[str], state: Mapping[str, Plain]) -> None:
-        self.steps, self.iterations = state["steps"], state["iterations"]
-        self._start = clock.perf_counter() - state["time_s"]
-
-    def end(self, complete: bool, message: str) -> None:
-        self.time_s = clock.perf_counter() - self._start
+    def resume(self, names: Sequence[str], state: Plain) -> None:
+        self.seen = True

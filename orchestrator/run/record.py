@@ -37,9 +37,9 @@ LARGEST = 1e30
 
 
 class ResultRecorder(Observer):
-    """Records all outputs of every n-th macro step and at `stop` (s), and every step's effort, in the
-    journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory for
-    `held_for` (s) at most.
+    """Records the outputs in `quantities` of every n-th macro step and at `stop` (s), and each step's effort,
+    in the journals of `folder` that become the groups /coupled and /steps of the result. Rows are in memory
+    for `held_for` (s) at most.
 
     `senseless` has, by output, the first recorded time (s) at which it was not finite, or above LARGEST times
     its nominal size: FMUs that diverge report success. NaN in what is
@@ -66,13 +66,15 @@ class ResultRecorder(Observer):
         self._open(names, None, None)
 
     def _open(self, names: Sequence[str], coupled: Mark | None, steps: Mark | None) -> None:
-        self._names = list(names)
-        sizes = np.array([self._quantities[name].nominal for name in names])
+        self._kept = np.array([i for i, name in enumerate(names) if name in self._quantities], dtype=int)
+        self._number = {int(kept): i for i, kept in enumerate(self._kept)}
+        variables = {names[i]: self._quantities[names[i]] for i in self._kept}
+        self._names = list(variables)
+        sizes = np.array([quantity.nominal for quantity in variables.values()])
         self._largest = np.minimum(LARGEST * sizes, np.finfo(np.float64).max)
-        variables = {name: self._quantities[name] for name in names}
         self._coupled = Journal(self._folder / f"coupled{SUFFIX}", variables, coupled, self._held_for)
         # With the names, so that a journal alone says which variable a number is.
-        quantities = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(names))}
+        quantities = STEP_VARIABLES | {"source": replace(STEP_VARIABLES["source"], choices=tuple(variables))}
         try:
             self._steps = Journal(self._folder / f"steps{SUFFIX}", quantities, steps, self._held_for)
         except BaseException:
@@ -81,13 +83,14 @@ class ResultRecorder(Observer):
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         if is_recorded(self._count, time, self._every, self._stop):
-            values = outputs()
+            values = outputs()[self._kept]
             self._coupled.append(time, values)
             for i in np.flatnonzero(~(np.abs(values) <= self._largest)):
                 self.senseless.setdefault(self._names[i], time)
         if self._count:
             self._step[:] = (
-                step.length, step.iterations, step.rejected, step.error, step.source, step.reason, step.parts,
+                step.length, step.iterations, step.rejected, step.error, self._number.get(step.source, -1),
+                step.reason, step.parts,
             )  # fmt: skip
             self._steps.append(time, self._step)
         self._count += 1

@@ -106,15 +106,42 @@ class Statistics:
     unproven: Sequence[str] = ()
 
 
-class _Run:
-    """A run under way: what it has come to, and what it took."""
+class Run:
+    """A run from `start_time` to `stop_time`: what it has come to, and what it took, also where it failed."""
 
     def __init__(self, session: Session, observers: Sequence[Observer]) -> None:
         self.session, self._observers = session, observers
         self._began = clock.perf_counter()
         self._made = self._rejected = self._iterations = 0
+        self._elapsed = 0.0
 
-    def start(self, resumed: Plain | None) -> None:
+    def make(self, resumed: Plain | None = None) -> Statistics:
+        """Step to the stop, from the start or a state; see `simulate`."""
+        session, message, complete = self.session, "", False
+        for observer in self._observers:
+            observer.watch(session.coupling)
+            observer.attach(self.state)
+        _begin(self._observers, session.coupling.wiring.system.outputs.names, resumed)
+        try:
+            session.begin()
+            self._start(resumed)
+            while session.time < session.stop_time:
+                self._step()
+            complete = True
+        except KeyboardInterrupt:
+            message = "interrupted"
+            raise
+        except Exception as error:
+            message = str(error)
+            raise
+        finally:
+            self._elapsed = clock.perf_counter() - self._began
+            with ExitStack() as ends:  # all of them, whatever one raises
+                for observer in reversed(self._observers):
+                    ends.callback(observer.end, complete, message)
+        return self.statistics()
+
+    def _start(self, resumed: Plain | None) -> None:
         """Show the start, or go on from a state."""
         self._began = clock.perf_counter()
         if resumed is None:
@@ -126,7 +153,7 @@ class _Run:
         self._began -= resumed["elapsed"]
         self.session.restore(resumed["session"])
 
-    def step(self) -> None:
+    def _step(self) -> None:
         """Make a macro step; EndedError where a participant ends the run."""
         session = self.session
         try:
@@ -148,7 +175,7 @@ class _Run:
             observer.observe(step.end, self.session.read_outputs, step)
 
     def state(self) -> dict[str, Plain]:
-        """All that `start` needs to go on from here."""
+        """All that `make` needs to go on from here."""
         return {
             "made": self._made,
             "rejected": self._rejected,
@@ -159,10 +186,10 @@ class _Run:
         }
 
     def statistics(self) -> Statistics:
-        """What the run took so far."""
-        elapsed, coupling = clock.perf_counter() - self._began, self.session.coupling
+        """What the run took until it ended."""
+        coupling = self.session.coupling
         return Statistics(
-            self._made, self._rejected, self._iterations, int(coupling.calls.sum()), elapsed,
+            self._made, self._rejected, self._iterations, int(coupling.calls.sum()), self._elapsed,
             coupling.explain_python(), coupling.without_rates, coupling.unproven,
         )  # fmt: skip
 
@@ -192,29 +219,7 @@ def simulate(
     if not stop_time > start_time:
         raise RunError(f"stop_time = {stop_time:g} s: must be after the start at {start_time:g} s")
     session = Session(system, participants, master, steps, stop_time, start_time, lines)
-    run = _Run(session, observers)
-    message, complete = "", False
-    for observer in observers:
-        observer.watch(session.coupling)
-        observer.attach(run.state)
-    _begin(observers, system.outputs.names, resumed)
-    try:
-        session.begin()
-        run.start(resumed)
-        while session.time < stop_time:
-            run.step()
-        statistics, complete = run.statistics(), True
-    except KeyboardInterrupt:
-        message = "interrupted"
-        raise
-    except Exception as error:
-        message = str(error)
-        raise
-    finally:
-        with ExitStack() as ends:  # all of them, whatever one raises
-            for observer in reversed(observers):
-                ends.callback(observer.end, complete, message)
-    return statistics
+    return Run(session, observers).make(resumed)
 
 
 def _begin(observers: Sequence[Observer], names: Sequence[str], resumed: Plain | None) -> None:

@@ -17,7 +17,6 @@ from orchestrator.assessment.diagnosis.report import diagnose
 from orchestrator.assessment.diagnosis.times import Spending, list_parts, read_spending
 from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.effort import Spent
-from orchestrator.engine.energy import Trimmed, add_counting
 from orchestrator.engine.step import REASONS, Step
 from orchestrator.errors import MistakeError, in_command_line
 from orchestrator.plots import steps as figure
@@ -30,8 +29,6 @@ from orchestrator.store.output_folder import RESULT, SCENARIO, find_run_state
 
 from .commands import called
 from .commands import said as said_by
-from .recorder import Recorder
-from .two_masses import two_masses
 
 OUTPUTS = (
     "flywheel.angle", "camshaft.surface_position", "contact.load", "valve_spring.velocity",
@@ -339,22 +336,6 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
     (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
     assert "was killed" in diagnose(tmp_path).lines[3]
-
-
-def test_sources_are_the_same_outputs_where_energies_are_counted():
-    """Counted energies are outputs between the others, and move their numbers: the recorder sees the old."""
-    system = two_masses()
-    counts = add_counting(system, system.instances)
-    recorder = Recorder()
-    trimmed = Trimmed(recorder, counts)
-    trimmed.begin(counts.outputs.names)
-    assert list(counts.outputs.names) != recorder.names
-    for number, name in enumerate(counts.outputs.names):
-        trimmed.observe(0.0, lambda: np.zeros(counts.outputs.size), Step(1.0, 1.0, 1, source=number))
-        source = recorder.steps[-1].source
-        assert (recorder.names[source] if source >= 0 else "none") == (
-            name if name in recorder.names else "none"
-        )
 
 
 def test_what_is_no_run_is_a_mistake(tmp_path):

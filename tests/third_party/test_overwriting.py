@@ -7,8 +7,8 @@ import pytest
 
 from orchestrator.errors import MistakeError
 from orchestrator.reporter import Reporter
-from orchestrator.run import execute as coupled_run
 from orchestrator.run.pipeline import run
+from orchestrator.run.simulation import Run
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario
 from orchestrator.store.output_folder import find_run_state
@@ -69,7 +69,7 @@ def test_one_that_is_stopped_before_the_first_values_leaves_it(out, tmp_path, mo
     def stopped(*arguments, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(coupled_run, "simulate", stopped)
+    monkeypatch.setattr(Run, "make", stopped)
     summary = again(of(fmu("dahlquist", 2, tmp_path)), out)
     assert summary.exit_status == 130
     assert summary.message.endswith(f"; the run did not begin, and what was in {out} before is kept")

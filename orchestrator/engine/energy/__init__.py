@@ -5,7 +5,7 @@ Both sides of a bond integrate its power inside their steps, with the inputs tha
 """
 
 from .account import Account, lines
-from .counting import Trimmed, add_counting, counting_structure
+from .counting import add_counting, counting_structure
 from .ledger import Ledger
 
-__all__ = ["Account", "Ledger", "Trimmed", "add_counting", "counting_structure", "lines"]
+__all__ = ["Account", "Ledger", "add_counting", "counting_structure", "lines"]
