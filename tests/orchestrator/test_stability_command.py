@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from models.core.difference import difference
 from models.monolithic.trajectory import compute_trajectory
-from orchestrator.analyses.stability.advised_step import round_down
+from orchestrator.analyses.stability.survey import round_down
 from orchestrator.engine.signals import DEGREES
 from orchestrator.masters import MASTERS
 from orchestrator.scenario import MasterTable

@@ -115,7 +115,7 @@ def _choose(resolved: Resolved, reporter: Reporter) -> Scenario:
     except HardLandingError as landing:
         best, why, tries = None, str(landing), _Tries(resolved, landing.motion)
     else:
-        choices, tries = list(list_choices(found)), _Tries(resolved, found.surveyor.motion)
+        choices, tries = list(list_choices(found)), _Tries(resolved, found.motion)
         best = tries.choose_predicted(choices, TRIALS if known else 0)
     if best is None and known and FmuLimits(scenario).controllable:
         with reporter.stage(CHOICE):
@@ -210,7 +210,7 @@ def list_choices(found: Survey) -> Iterator[Choice]:
             continue
         count = math.ceil(scenario.stop_time / step * (1.0 - 1e-9))
         per_step = method.cost * method.advised_step
-        why, order = _explain(method), found.surveyor.behave(method.master).order
+        why, order = _explain(method), found.behave(method.master).order
         equal = Choice(method.master, scenario.stop_time / count, count * per_step, why, order)
         yield equal
         if not method.master.implicit and found.limits.variable_step and found.system.connections:
@@ -233,8 +233,8 @@ class _Defect:
     """Predicts a method's run with steps that follow their defect."""
 
     def __init__(self, found: Survey, method: AssessedMethod) -> None:
-        self._surveyor, self._method = found.surveyor, method
-        self._behaviour: Behaviour = found.surveyor.behave(method.master)
+        self._survey, self._method = found, method
+        self._behaviour: Behaviour = found.behave(method.master)
         coupling = self._behaviour.single.coupling
         extrapolated = find_extrapolated(coupling, method.master)
         self._seen = np.flatnonzero(extrapolated[coupling.wiring.connected])
@@ -244,14 +244,14 @@ class _Defect:
     def find_tolerance(self, longest: float) -> tuple[float, float] | None:
         """The largest tolerance of the defect that keeps the errors, and the mean step (s) with it."""
         found = []
-        interval = self._surveyor.sampled.interval
+        interval = self._survey.sampled.interval
         for step in self._method.errors:
             factor = round(step / interval)
             defects = self._measure_defects(factor)
             for relative in TOLERANCES:
                 lengths = self._predict_lengths(defects, relative, longest / step)
                 weights = lengths**self._behaviour.order
-                if self._surveyor.predict_excess(self._behaviour, factor, weights) <= 1.0 / WITHIN:
+                if self._survey.predict_excess(self._behaviour, factor, weights) <= 1.0 / WITHIN:
                     mean = float(1.0 / np.mean(1.0 / lengths))
                     found.append((abs(math.log(mean)), relative, mean * step))
                     break
@@ -259,7 +259,7 @@ class _Defect:
 
     def _measure_defects(self, factor: int) -> Vector:
         """The defect at the end of each of the trajectory's steps, over what a tolerance of one allows."""
-        sampled = self._surveyor.sampled
+        sampled = self._survey.sampled
         missed = np.abs(sampled.compute_extrapolation_errors(factor, self._behaviour.single.degrees)[:, 1])
         sizes = self._behaviour.single.nominal + np.abs(sampled.values[::factor])
         parts = (missed / sizes)[:, self._columns]

@@ -104,7 +104,7 @@ def describe(found: Survey) -> Iterator[str]:
         yield f"Advised: {format_settings(best)}"
     yield (
         f"Linearised at {tally(len(found.points), 'instant')}; limits are those of the hardest. "
-        f"Errors are carried up to t = {found.until:g} s, about t = {found.typical:.4g} s."
+        f"Errors are carried up to t = {found.motion.times[-1]:g} s, about t = {found.typical.time:.4g} s."
     )
     yield (
         f"The scan of macro steps has a spacing of {SPACING:.0%} or {SPACING:g} rad of a participant's "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
@@ -18,7 +19,6 @@ from ...masters import MASTERS, Master, find_name
 from ...run.plan import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
 from ...scenario.fmu_limits import FmuLimits
-from .advised_step import find_step_at_error, round_down
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
 from .linearisation import POINTS, Point, linearise_points, needs_run
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
@@ -61,35 +61,6 @@ class AssessedMethod:
                 break
             good = at.step
         return good
-
-
-@dataclass(frozen=True)
-class Survey:
-    """A scenario's methods, cheapest first; `own` is the scenario's, `best` the advised one, if any.
-
-    Errors are predicted along the trajectory up to `until`, with the point at `typical` (s). `participants`
-    were linearised as participants, the others as components; `left_out` says why instants were left out.
-    `surveyor` answers more about a method, `limits` are those of the FMU files.
-    """
-
-    scenario: Scenario
-    system: System
-    partition: Partition
-    points: list[Point]
-    methods: list[AssessedMethod]
-    own: AssessedMethod
-    best: AssessedMethod | None
-    until: float
-    typical: float
-    participants: Mapping[str, ParticipantLinearisation]
-    left_out: list[str]
-    surveyor: Surveyor
-    limits: FmuLimits
-
-    @property
-    def kinks(self) -> list[str]:
-        """Variables that had a kink at a point."""
-        return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
 
 
 # Trajectory: instants per macro step, most instants, and the integrator's tolerance; differences of fourth
@@ -161,20 +132,17 @@ def survey(
     if not limits.variable_step:  # which gets to whole strides only
         rows = np.unique(rows // STRIDE * STRIDE)
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, participants)
-    surveyor = Surveyor(scenario, system, trajectory, watched, points, scope.longest)
-    methods = []
-    masters = _list_masters(scenario, system, surveyor, limits.restorable, scope.masters)
+    found = Survey(scenario, system, trajectory, watched, points, scope.longest)
+    found.limits, found.participants, found.left_out = limits, participants, left
+    masters = found.list_masters(scope.masters)
     for i, master in enumerate(masters):
-        methods.append(surveyor.assess(master))
+        found.methods.append(found.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
-    own = methods[0]
-    usable = [m for m in methods if m.advised_step > 0.0 and (limits.restorable or not m.master.implicit)]
-    methods.sort(key=lambda m: m.cost)
-    return Survey(
-        scenario, system, surveyor.partition, surveyor.points, methods, own,
-        min(usable, key=lambda m: m.cost, default=None), float(trajectory.times[-1]), surveyor.typical.time,
-        participants, left, surveyor, limits,
-    )  # fmt: skip
+    found.own = found.methods[0]
+    found.methods.sort(key=lambda m: m.cost)
+    usable = (m for m in found.methods if limits.restorable or not m.master.implicit)
+    found.best = next((m for m in usable if m.advised_step > 0.0), None)
+    return found
 
 
 def _find_course(
@@ -191,44 +159,26 @@ def _find_course(
         return run_course(system, units, scenario.master.build(), times, progress)
 
 
-def _list_masters(
-    scenario: Scenario, system: System, surveyor: Surveyor, restorable: bool, others: Sequence[Any]
-) -> list[Master]:
-    """The scenario's own master, then every master that its FMUs can take with every signal, in the best
-    order."""
-    own = scenario.master.build()
-    signals = list(DEGREES)[: surveyor.highest + 1]
-    orders, stiff = {signal: surveyor.find_order(signal) for signal in signals}, surveyor.partition.stiff
-    unset = any(item.name == "order" for item in fields(own)) and not own.order
-    if unset and orders.get(own.extrapolation) == tuple(system.instances):
-        own = replace(own, order=orders[own.extrapolation])
-    masters: list[Master] = [own]
-    # Other options are those of the scenario's master.
-    for base in dict.fromkeys((*(own if isinstance(own, type(one)) else one for one in others), own)):
-        if base.implicit and not restorable:
-            continue  # which these FMUs cannot take
-        options = {item.name for item in fields(base)}
-        if "extrapolation" not in options:
-            continue
-        if "iterate" in options and not base.iterate and stiff:
-            base = replace(base, iterate=stiff)
-        for signal, order in orders.items():
-            ordered = {"order": order} if "order" in options else {}
-            masters.append(replace(base, extrapolation=signal, **ordered))
-    return list(dict.fromkeys(masters))
+class Survey:
+    """A scenario's methods, cheapest first; `own` is the scenario's, `best` the advised one, if any.
 
+    Errors are predicted along the `motion`, about the `typical` point. `participants` were linearised as
+    participants, the others as components; `left_out` says why instants were left out. `limits` are those of
+    the FMU files.
+    """
 
-class Surveyor:
+    own: AssessedMethod
+    best: AssessedMethod | None
+    limits: FmuLimits
+    participants: Mapping[str, ParticipantLinearisation]
+    left_out: list[str]
+
     def __init__(
-        self,
-        scenario: Scenario,
-        system: System,
-        trajectory: Trajectory,
-        watched: list[Port],
-        points: list[Point],
-        longest: float,
-    ) -> None:
+        self, scenario: Scenario, system: System, trajectory: Trajectory, watched: list[Port],
+        points: list[Point], longest: float,
+    ) -> None:  # fmt: skip
         self.scenario, self.system, self.points, self.motion = scenario, system, points, trajectory
+        self.methods: list[AssessedMethod] = []
         self._converged: dict[tuple[Any, ...], AssessedMethod] = {}
         self.partition = Partition(system, points, watched)
         names = {n: [port.variable for port in watched if port.instance == n] for n in system.instances}
@@ -244,6 +194,33 @@ class Surveyor:
         self.sampled: SampledTrajectory = sample_trajectory(trajectory, system, sources)
         self._names = {str(port): sources.index(port) for port in watched}
         self.typical = self._find_typical_point()
+
+    @property
+    def kinks(self) -> list[str]:
+        """Variables that had a kink at a point."""
+        return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
+
+    def list_masters(self, others: Sequence[Any]) -> list[Master]:
+        """The scenario's own master, then every master that its FMUs can take with every signal, in the best
+        order."""
+        own = self.scenario.master.build()
+        signals = list(DEGREES)[: self.highest + 1]
+        orders, stiff = {signal: self.find_order(signal) for signal in signals}, self.partition.stiff
+        unset = any(item.name == "order" for item in fields(own)) and not own.order
+        if unset and orders.get(own.extrapolation) == tuple(self.system.instances):
+            own = replace(own, order=orders[own.extrapolation])
+        masters: list[Master] = [own]
+        # Other options are those of the scenario's master.
+        for base in dict.fromkeys((*(own if isinstance(own, type(one)) else one for one in others), own)):
+            options = {item.name for item in fields(base)}
+            if "extrapolation" not in options or (base.implicit and not self.limits.restorable):
+                continue
+            if "iterate" in options and not base.iterate and stiff:
+                base = replace(base, iterate=stiff)
+            for signal, order in orders.items():
+                ordered = {"order": order} if "order" in options else {}
+                masters.append(replace(base, extrapolation=signal, **ordered))
+        return list(dict.fromkeys(masters))
 
     def _find_typical_point(self) -> Point:
         """The point about which errors are predicted: that of median errors.
@@ -375,3 +352,34 @@ class Surveyor:
         return max(
             (error / self.scenario.tolerance[name] for name, error in errors.items()), default=math.inf
         )
+
+
+# Mantissas of advised steps.
+ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+
+
+def find_step_at_error(excess: Mapping[float, float], order: int, share: float) -> float:
+    """Find the step at which the excess grows beyond `share`, by a power law between known steps.
+
+    Below the first one the power is the method's order.
+    """
+    steps = list(excess)
+    if not steps or not math.isfinite(excess[steps[0]]):
+        return 0.0
+    if excess[steps[0]] > share:
+        return float(steps[0] * (share / excess[steps[0]]) ** (1.0 / order))
+    for low, high in itertools.pairwise(steps):
+        if not excess[high] <= share:
+            if not math.isfinite(excess[high]) or excess[low] <= 0.0:
+                return low
+            slope = math.log(high / low) / math.log(excess[high] / excess[low])
+            return float(low * (share / excess[low]) ** slope)
+    return steps[-1]
+
+
+def round_down(step: float) -> float:
+    """Round down to a step with a short mantissa; zero for zero."""
+    if not step > 0.0:
+        return 0.0
+    power = 10.0 ** math.floor(math.log10(step))
+    return float(f"{max(m for m in ROUND if m * power <= step * (1.0 + 1e-12)) * power:.3g}")
