@@ -9,7 +9,7 @@ from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import Restart, Settings, Workers, folder_option
+from .options import Settings, folder_option
 
 
 @report_errors
@@ -29,19 +29,13 @@ def run_sensitivities(
     ] = None,
     out: Annotated[Path | None, folder_option("results/SCENARIO-sensitivities")] = None,
     set_: Settings = None,
-    workers: Workers = None,
-    overwrite: Restart = False,
     as_json: Json = False,
-) -> int:
-    """Find which parameters move the figures of merit of a valve train's steady cycle, and by how much.
-
-    The same command continues an interrupted one. Exit status 0: all cycles found, 1: some failed, 2: a
-    mistake in the scenario or the command, 130: interrupted.
-    """
+) -> None:
+    """Find which parameters move the figures of merit of a valve train's steady cycle, and by how much."""
     check_study_packages()
     from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario import build_scenario
-    from orchestrator.study.run import Where
+    from orchestrator.store.output_folder import refuse_file
     from orchestrator.study.speeds.sensitivities import find_sensitivities, publish
     from orchestrator.study.speeds.sweep import parse_speed
 
@@ -50,13 +44,11 @@ def run_sensitivities(
     tables = read_tables(scenario, set_ or [])
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
+    refuse_file(folder)
     reporter = build_reporter(as_json)
     at = None if speed is None else parse_speed("speed", speed)
     with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
-        found = find_sensitivities(
-            tables, at, parameter or [], folder, Where(workers=workers), reporter, overwrite
-        )
+        found = find_sensitivities(tables, at, parameter or [], reporter)
     publish(found, checked, folder, reporter)
     if as_json:
         print_json(found.to_dict())
-    return int(found.attrs["status"])
