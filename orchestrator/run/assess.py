@@ -40,7 +40,7 @@ from .comparison import (
 )
 from .plan import Plan
 from .reference import Solution, measure_orders, solve_reference
-from .summary import ENDS, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
+from .summary import ENDS, INTERRUPTED, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -76,7 +76,11 @@ def _judge(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter)
     try:
         return _compare(plan, result, reporter, summary)
     except ENDS as error:
-        return summary.end_by(error, result.path.parent)
+        ended = summary.end_by(error, result.path.parent)
+        if ended.exit_status != INTERRUPTED:
+            return ended
+        lacks = "; the run itself is whole, and lacks the comparison with its reference"
+        return replace(ended, message=join(ended.message, lacks))
 
 
 def _conclude(summary: Summary, status: int, verdict: Words) -> Summary:

@@ -79,7 +79,9 @@ def publish_merits(plan: Plan, summary: Summary, result: ResultFile) -> None:
             return result.read("coupled", [name], slice(None))[name]
 
         path = result.path.with_name(MERITS)
-        write_merits(plan.system, summary.figures_of_merit, list_warnings(summary), read, path)
+        doubts = [] if summary.whole else [in_command_line(summary.message)]
+        doubts += list_warnings(summary)
+        write_merits(plan.system, summary.figures_of_merit, doubts, read, path)
 
 
 def list_warnings(summary: Summary) -> list[str]:
@@ -123,7 +125,7 @@ def publish(summary: Summary, folder: OutputFolder, reporter: Reporter) -> Summa
         clear_run_state(folder.unfinished)
     try:
         if summary.figures and (folder.path / RESULT).exists():
-            _draw(folder.path, summary.exit_status != INTERRUPTED, reporter)
+            _draw(folder.path, summary.whole or summary.exit_status != INTERRUPTED, reporter)
             drawn = summary.wall_time_s + sum(reporter.times.values()) - sum(summary.times.values())
             summary = replace(summary, wall_time_s=drawn, times=dict(reporter.times))
             with suppress(OSError):  # the one without is there
@@ -147,12 +149,13 @@ def _draw(folder: Path, figures: bool, reporter: Reporter) -> None:
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
-    """The engineering result, the verdict, the largest error, and where the report is."""
+    """Why it is incomplete, the engineering result, verdict and largest error, and where the report is."""
     told = list(summary.tell())
     if not summary.complete:
         reached = f", to t = {summary.steps.end:.6g} s" if summary.steps else ""
-        more = "; of what it recorded:" if told else ""
-        reporter.line(f"the run is incomplete: {summary.macro_steps} macro steps{reached}{more}")
+        reporter.line((summary.message, f"; it made {tally(summary.macro_steps, 'macro step')}{reached}"))
+        if told and not summary.whole:
+            reporter.line("what follows is of a run that broke off, up to there:")
     for line in told:
         reporter.line(line)
     if summary.witness:

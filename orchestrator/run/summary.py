@@ -99,6 +99,11 @@ class Summary:
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Words] = field(default_factory=list)
 
+    @property
+    def whole(self) -> bool:
+        """Whether the coupled run came to its end, though it may lack the comparison with its reference."""
+        return self.do_steps is not None
+
     def end_by(self, error: BaseException, out: Path) -> "Summary":
         """As ended by one of `ENDS`. Raises `error` again if it leaves no result."""
         if isinstance(error, (CheckpointError, RefusedError)):

@@ -7,6 +7,7 @@ import sys
 import zipfile
 from io import StringIO
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from rich.console import Console
@@ -15,6 +16,7 @@ from models.core.errors import ModelError
 from models.core.remedies import Command, find_actions
 from orchestrator.errors import CheckpointError, MistakeError, start_over
 from orchestrator.reporter import Reporter
+from orchestrator.run import assess
 from orchestrator.run.checkpoint import read
 from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
@@ -83,6 +85,7 @@ def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path):
     summary = run(scenario, out, build_fmu, quiet(), figures=False)
     assert (summary.exit_status, summary.resumable) == (3, False)
     assert not (out / "unfinished").exists()
+    assert summary.message in (out / "summary.csv").read_text("utf-8").splitlines()[1]
     with pytest.raises(OutputFolderError) as error:
         resume(out, build_fmu, quiet())
     why = summary.message.removeprefix("incomplete: ")
@@ -93,6 +96,26 @@ def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path):
     (out / "scenario.toml").unlink()
     with pytest.raises(OutputFolderError, match="put back the file that the run had written"):
         resume(out, build_fmu, quiet())
+
+
+def test_a_run_that_is_interrupted_at_its_reference_is_whole_and_lacks_the_comparison(tmp_path, monkeypatch):
+    """It has its figures, and goes on with the reference."""
+    out, one = tmp_path / "out", load("two-masses", ["stop_time=0.1", EVERY])
+    with monkeypatch.context() as patched:
+        patched.setattr(assess, "solve_reference", Mock(side_effect=KeyboardInterrupt))
+        stopped = run(one, out, build_fmu, quiet())
+    assert (stopped.exit_status, stopped.complete, stopped.resumable, stopped.whole) == (
+        130,
+        False,
+        True,
+        True,
+    )
+    assert "the run itself is whole, and lacks the comparison" in stopped.message
+    assert list((out / "figures").glob("*.png"))
+    assert "incomplete" not in (out / "summary.csv").read_text("utf-8")
+    done = resume(out, build_fmu, quiet(), figures=False)
+    assert (done.complete, done.macro_steps) == (True, stopped.macro_steps)
+    assert done.errors
 
 
 @pytest.fixture(scope="module")
