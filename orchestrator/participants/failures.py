@@ -26,6 +26,11 @@ NOT_FOLLOWED = (
 # Part of a step that a complete one may lack, by rounding in the FMU's sum of steps.
 WHOLE = 1e-9
 
+NOWHERE = (
+    "look at its inputs and parameters, or reduce macro_step; no shorter step can follow, as it neither "
+    "saves its state nor tells how far it came"
+)
+
 ASYNCHRONOUS = (
     "asynchronous steps are not supported; have the FMU made without (canRunAsynchronuously = false)"
 )
@@ -116,7 +121,8 @@ class ErrorReporter:
             self.refuse_discarded(time, step)
 
     def refuse_discarded(self, time: float, step: float) -> None:
-        """Raise the error of a discarded step, with the time that it reached.
+        """Raise the error of a discarded step, with the time that it reached; one that shorter steps cannot
+        follow is a RecoverableError.
 
         A step that the FMU completed before it asked to end the simulation is valid: only the next one is
         refused.
@@ -139,8 +145,8 @@ class ErrorReporter:
         # A time outside the step says as little as none.
         if reached is not None and not time <= reached < time + step:
             reached = None
-        raise DiscardedStepError(
-            f"{what}: {said or 'no message'}; look at its inputs and parameters, "
-            f"{instead_of_discarded(self.name)}",
-            reached,
-        )
+        said = said or "no message"
+        if reached is None and not self.fmi.restorable:
+            raise RecoverableError(f"{what}: {said}; {NOWHERE}")
+        remedy = f"look at its inputs and parameters, {instead_of_discarded(self.name)}"
+        raise DiscardedStepError(f"{what}: {said}; {remedy}", reached)

@@ -69,6 +69,7 @@ class FmiInstance(ABC):
 
     def __init__(self, name: str, description: Description, folder: str) -> None:
         self.warned = 0
+        self.restorable = description.restorable
         self.ended_in: list[float] = []
         self.slave = open_library(self.interface, name, description, folder)
         plain = self.slave._call

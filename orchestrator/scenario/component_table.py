@@ -29,7 +29,7 @@ from .force_table import ForceTable
 from .insertions import insert_all
 from .lift_table import LiftSegments
 from .oil import OilSheet, Temperature
-from .third_party_values import convert_enumerations, select_strings
+from .third_party_values import check_offsets, convert_enumerations, select_strings
 from .values import SECTIONS, Faults, Value, build_component, list_layouts, parse_values
 from .wire import Wire
 
@@ -194,6 +194,7 @@ class ComponentTable(Table):
         layout, chosen = layouts.pop(info.field_name), dict[str, Value]()
         values: dict[str, Value] = check(spread_lists(given, layout))
         if isinstance(component, ThirdPartyComponent):
+            check_offsets(component, values)
             chosen = convert_enumerations(
                 component, {key: value for key, value in values.items() if key in layout}
             )

@@ -12,10 +12,8 @@ from ..participants.third_party import ThirdPartyComponent
 from ..participants.wrapping import Linear
 from . import Line, ScenarioError
 from .side_lines import check_equal_types
-from .units import to_base_units
+from .units import OFFSETS_AGREE, to_base_units
 
-# Offsets of one unit are given with five digits or more, as 255.37 K of degF.
-OFFSETS_AGREE = 1e-3
 Transformations = dict[str, dict[str, Linear]]
 
 

@@ -1,4 +1,4 @@
-"""Values for third-party FMUs: strings and enumerations."""
+"""Values for third-party FMUs: strings, enumerations, and numbers with units."""
 
 from collections.abc import Mapping
 from string import hexdigits
@@ -6,6 +6,7 @@ from string import hexdigits
 from ..errors import one_of
 from ..participants.description import BINARY
 from ..participants.third_party import ThirdPartyComponent
+from .units import OFFSETS_AGREE, is_bare, to_base_units
 from .values import Faults, Value
 
 
@@ -69,3 +70,21 @@ def _format_numbers(numbers: list[float]) -> str:
     if len(ordered) > 2 and ordered[-1] - ordered[0] == len(ordered) - 1:
         return f"{ordered[0]} to {ordered[-1]}"
     return ", ".join(map(str, ordered))
+
+
+def check_offsets(component: ThirdPartyComponent, values: Mapping[str, Value]) -> None:
+    """Raise Faults for numbers in another unit than the FMU's, where it defines its own with another zero
+    than usual, as degC like K."""
+    faults = []
+    for name, value in values.items():
+        variable = component.about.variables.get(name)
+        unit = variable.unit if variable and not variable.relative else ""
+        own = component.about.units.get(unit)
+        if own is None or not isinstance(value, str) or is_bare(value.strip().removesuffix(unit)):
+            continue
+        usual = to_base_units(unit)
+        if usual and abs(own.offset - usual.offset) > OFFSETS_AGREE * max(abs(own.offset), abs(usual.offset)):
+            zero = f"the FMU defines {unit} with its zero at {own.offset:g}, not {usual.offset:g}"
+            faults.append((name, f" = {value!r}: {zero}; write a plain number, which it takes as it is"))
+    if faults:
+        raise Faults(*faults)

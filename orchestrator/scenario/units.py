@@ -64,6 +64,9 @@ _POWER = re.compile(r"\*\*|\^")
 _EXPONENT = re.compile(r"[\s(]*[+-]?\s*\d{1,2}(?:\.\d+)?[)\s]*(?![\w.])")
 
 
+# Offsets of one unit are given with five digits or more, as 255.37 K of degF.
+OFFSETS_AGREE = 1e-3
+
 # Units of times in reports, each with its factor from seconds.
 TIMES = (("s", 1.0), ("ms", 1e3), ("us", 1e6))
 

@@ -2,6 +2,7 @@
 
 import os
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from orchestrator.run.pipeline import resume, run
 from orchestrator.scenario.files import load
 
 from .c_fmus import fmu
+from .models import MODELS
 from .runs import CASES, Reporter, never, ran, recorded, scenario
 
 
@@ -73,6 +75,17 @@ def test_a_resumed_run_begins_again_too(tmp_path):
     assert resume(out, never, heard, figures=False).complete
     assert sum("begins again" in line for line in heard.lines) == 1
     assert len(recorded(out)["time"]) == 201
+
+
+def test_an_fmu_that_neither_saves_its_state_nor_tells_its_time_is_not_tried_again(tmp_path, monkeypatch):
+    discarding = MODELS["discarding"]
+    lost = replace(discarding, abilities="", step=f"m->reached = -1; {discarding.step}")
+    monkeypatch.setitem(MODELS, "lost", lost)
+    one, heard = scenario({"decay": {"participant": fmu("lost", 2, tmp_path)}}), Heard()
+    summary = run(one, tmp_path / "out", never, heard, figures=False)
+    assert (summary.exit_status, summary.discarding, summary.macro_steps) == (3, "", 50)
+    assert "no shorter step can follow, as it neither saves its state nor tells" in str(summary.message)
+    assert not any("begins again" in line for line in heard.lines)
 
 
 def test_an_fmu_that_discards_every_step_ends_the_run_in_the_second_try(tmp_path):

@@ -126,6 +126,24 @@ def test_an_offset_that_a_definition_leaves_out_is_asked_for(tmp_path: Path) -> 
     assert rounded.offset == pytest.approx(1e-7, rel=1e-3)
 
 
+def test_a_value_whose_unit_lacks_its_offset_is_a_plain_number(tmp_path: Path) -> None:
+    """68 degF would be 293.15 of the FMU's own, or 37.8."""
+    start = 'start="0"'
+    variables = real2("T", 0, "parameter", f'unit="degF" {start}', "fixed")
+    variables += real2("t", 1, "parameter", f'unit="celsius" {start}', "fixed")
+    file = describe2(tmp_path / "a.fmu", variables)
+
+    def given(**parameters: object) -> object:
+        return scenario({"a": {"participant": file, "parameters": parameters}}).components["a"].parameters
+
+    with pytest.raises(
+        ScenarioError, match=r"parameters\.T = '293.15 K': .* degF with its zero at 0, not 255\.37"
+    ):
+        given(T="293.15 K")
+    assert given(T=68, t="293.15 K") == {"T": 68.0, "t": pytest.approx(20.0)}
+    assert given(T="68 degF") == {"T": 68.0}
+
+
 def test_values_of_differences_have_no_offset(tmp_path: Path) -> None:
     """Nor is 5 degC of a difference without a unit another number in K."""
     rise = real2("dT", 0, "parameter", f'{KELVIN} start="0"', "fixed")
