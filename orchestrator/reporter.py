@@ -6,15 +6,17 @@ import os
 import sys
 import time as clock
 from collections import defaultdict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from pathlib import Path
 from typing import Protocol
 
+from rich import box
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.segment import Segment
+from rich.table import Table
 from rich.text import Text
 
 from models.core.quantities import Vector
@@ -212,3 +214,16 @@ def follow(show: Show, words: str = "", at: float | None = None) -> Reporter:
     return Reporter(
         Console(quiet=True), tell=lambda stage, share: show(share if at is None else at, f"{words}, {stage}")
     )
+
+
+def make_table(title: str, names: Sequence[str], numbers: Sequence[str], caption: str = "") -> Table:
+    """A table with columns of names and, on their right, of numbers; rows are to be added."""
+    table = Table(
+        title=title, caption=caption or None, title_justify="left", caption_justify="left",
+        box=box.SIMPLE_HEAD, pad_edge=False,
+    )  # fmt: skip
+    for head in names:
+        table.add_column(head, overflow="fold")
+    for head in numbers:
+        table.add_column(head, justify="right", no_wrap=True)
+    return table

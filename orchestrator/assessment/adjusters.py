@@ -12,113 +12,136 @@ from models.core.words import tally
 
 from ..scenario.display import format_number
 from .lost_contact import find_lost
-from .motion import Found, Part
+from .motion import NONE, Found, Part
+from .trains import find_rigid_lift
 
 # A growth from turn to turn (m) that says nothing of a pump-up: the valve still rings on its seat.
 RINGING = 0.5e-6
-# The last rows within this of a turn (rad) are one.
-SLACK = math.radians(3.6)
 RPM = 30.0 / math.pi
-ROUNDING = 1e-9
-NONE = Found(math.nan)
+# The lift (m) at which a valve opens and closes, as timings of cams are given.
+OPENED = 1e-3
 LENGTH = Quantity("m", display_unit="um")
+ANGLE = Quantity("rad", display_unit="deg")
 
 
-def _find_turn(part: Part) -> slice | None:
-    """The rows of the cam's last whole turn; None where there is none."""
-    begin = part.angle[-1] - 2.0 * math.pi
-    if not part.angle[0] <= begin + SLACK:
-        return None
-    return slice(max(0, int(np.searchsorted(part.angle, begin + ROUNDING)) - 1), None)
-
-
-def _over_turn(find: Callable[[Part, slice], Found]) -> Callable[[Part], Found]:
-    """What is found in the last turn, by its first row; of less than a turn nothing."""
+def _over_turn(find: Callable[[Part], Found]) -> Callable[[Part], Found]:
+    """What is found in the last turn; of less than a turn nothing."""
 
     def found(part: Part) -> Found:
-        turn = _find_turn(part)
-        if turn is None:
+        if (turn := part.last_turn) is None:
             return NONE
-        value, row = find(part, turn)
-        return Found(value, None if row is None else row + turn.start)
+        value, row = find(turn)
+        return Found(value, None if row is None else row + part.motion.times.size - turn.motion.times.size)
 
     return found
 
 
-def _move(part: Part, turn: slice, flow: Vector) -> float:
+def _move(turn: Part, flow: str) -> float:
     """By how much a flow (m3/s) of this turn moves the plunger (m)."""
-    area = 0.25 * math.pi * part.parameter("plunger_diameter") ** 2
-    return float(np.trapezoid(np.maximum(flow[turn], 0.0), part.motion.times[turn])) / area
+    area = 0.25 * math.pi * turn.parameter("plunger_diameter") ** 2
+    return float(np.trapezoid(np.maximum(turn[flow], 0.0), turn.motion.times)) / area
 
 
-def _shorten(part: Part, turn: slice) -> Found:
-    shorter = part["extension"][turn.start] - part["extension"][turn]
-    return Found(float(np.max(shorter)), int(np.argmax(shorter)))
-
-
-def _take_in(part: Part, turn: slice) -> Found:
-    flow = part["valve_flow"]
-    return Found(_move(part, turn, flow), int(np.argmax(flow[turn])))
-
-
-def _stay_open(part: Part, turn: slice) -> Found:
-    opened, times = (part["valve_flow"][turn] > 0.0).astype(float), part.motion.times[turn]
-    return Found(float(np.trapezoid(opened, times) / (times[-1] - times[0])))
-
-
-def _grow(part: Part, turn: slice) -> Found:
-    return Found(float(part["extension"][-1] - part["extension"][turn.start]))
-
-
-def _find_valve(part: Part) -> Part | None:
+def _find_valve(turn: Part) -> Part | None:
     """The valve of its train, if it has a seat."""
-    valves = part.train.list_parts(roles.Valve) if part.train else []
-    seated = (Part(part.motion, name) for name in valves)
+    valves = turn.train.list_parts(roles.Valve) if turn.train else []
+    seated = (Part(turn.motion, name) for name in valves)
     return next((valve for valve in seated if valve.parameter("seat_stiffness") > 0.0), None)
 
 
-def _hold_open(part: Part, turn: slice) -> Found:
+def _hold_open(turn: Part) -> Found:
     """The least lift of the valve in the turn."""
-    valve = _find_valve(part)
-    return Found(max(0.0, -float(np.max(valve["seat_dip"][turn])))) if valve else NONE
+    valve = _find_valve(turn)
+    return Found(max(0.0, -float(np.max(valve["seat_dip"])))) if valve else NONE
 
 
-def _seat(part: Part, turn: slice) -> Found:
+def _seat(turn: Part) -> Found:
     """Mean force of the seat where the cam does not lift."""
-    valve = _find_valve(part)
-    if valve is None or part.cam_lift is None:
+    valve = _find_valve(turn)
+    if valve is None or turn.cam_lift is None:
         return NONE
-    closed = part.cam_lift[turn] <= 0.0
-    return Found(float(np.mean(valve["seat_force"][turn][closed]))) if closed.any() else NONE
+    closed = turn.cam_lift <= 0.0
+    return Found(float(np.mean(valve["seat_force"][closed]))) if closed.any() else NONE
+
+
+def _find_lifts(turn: Part) -> tuple[Vector, Vector] | None:
+    """Of the valve, and of the rigid train, as if the adjuster kept its length."""
+    valve = _find_valve(turn)
+    if valve is None or turn.train is None:
+        return None
+    return valve["valve_lift"], find_rigid_lift(turn.train, turn.motion.column)
+
+
+def _lose_lift(turn: Part) -> Found:
+    if (lifts := _find_lifts(turn)) is None:
+        return NONE
+    lift, rigid = lifts
+    return Found(float(np.max(rigid) - np.max(lift)), int(np.argmax(lift)))
+
+
+def _shift(closing: bool) -> Callable[[Part], Found]:
+    """By which angle of the cam (rad) the valve passes OPENED after the rigid train; none of a turn that
+    begins in a lift."""
+
+    def find(turn: Part) -> Found:
+        passed = []
+        for lift in _find_lifts(turn) or ():
+            rows = np.flatnonzero(lift > OPENED)
+            if not rows.size or rows[0] == 0 or rows[-1] == lift.size - 1:
+                return NONE
+            row = rows[-1] if closing else rows[0] - 1
+            share = (OPENED - lift[row]) / (lift[row + 1] - lift[row])
+            passed.append(turn.angle[row] + share * (turn.angle[row + 1] - turn.angle[row]))
+        return Found(float(passed[0] - passed[1]), int(row)) if passed else NONE
+
+    return find
 
 
 ADJUSTER: Mapping[str, tuple[Quantity, Callable[[Part], Found]]] = {
     "chamber_pressure": (
         Quantity("Pa", "highest pressure of the chamber, over the supply's", display_unit="MPa"),
-        lambda part: Found(float(np.max(part["pressure"])), int(np.argmax(part["pressure"]))),
+        lambda part: Found.largest(part["pressure"]),
     ),
-    "shortening": (LENGTH.of("largest shortening in a turn, by leak and compression"), _over_turn(_shorten)),
+    "shortening": (
+        LENGTH.of("largest shortening in a turn, by leak and compression"),
+        _over_turn(lambda turn: Found.largest(turn["extension"][0] - turn["extension"])),
+    ),
+    "lift_loss": (
+        LENGTH.of("largest lift of the rigid train less that of the valve, lost in a turn"),
+        _over_turn(_lose_lift),
+    ),
+    "opening_shift": (
+        ANGLE.of("by which the valve opens later than the rigid train, at 1 mm of lift"),
+        _over_turn(_shift(closing=False)),
+    ),
+    "closing_shift": (
+        ANGLE.of("by which the valve closes later than the rigid train, at 1 mm of lift; negative: earlier"),
+        _over_turn(_shift(closing=True)),
+    ),
     "leak_down": (
         LENGTH.of("sinking in a turn, by its leak"),
-        _over_turn(lambda part, turn: Found(_move(part, turn, part["leak_flow"]))),
+        _over_turn(lambda turn: Found(_move(turn, "leak_flow"))),
     ),
-    "intake": (LENGTH.of("rise in a turn, by what the check valve lets in"), _over_turn(_take_in)),
+    "intake": (
+        LENGTH.of("rise in a turn, by what the check valve lets in"),
+        _over_turn(lambda turn: Found(_move(turn, "valve_flow"), int(np.argmax(turn["valve_flow"])))),
+    ),
     "check_valve_open": (
         Quantity("1", "share of a turn in which the check valve is open", display_unit="%"),
-        _over_turn(_stay_open),
+        _over_turn(lambda turn: Found(turn.mean(turn["valve_flow"] > 0.0))),
     ),
-    "growth": (LENGTH.of("growth from turn to turn"), _over_turn(_grow)),
+    "growth": (
+        LENGTH.of("growth from turn to turn"),
+        _over_turn(lambda turn: Found(float(turn["extension"][-1] - turn["extension"][0]))),
+    ),
     "held_open": (
         LENGTH.of("least lift of the valve in a turn, by which it is held open"),
         _over_turn(_hold_open),
     ),
-    "seat_force_kept": (
-        Quantity("N", "mean force of the seat on the base circle"),
-        _over_turn(_seat),
-    ),
+    "seat_force_kept": (Quantity("N", "mean force of the seat on the base circle"), _over_turn(_seat)),
     "largest_extension": (
         LENGTH.of("largest length over that of the start"),
-        lambda part: Found(float(np.max(part["extension"])), int(np.argmax(part["extension"]))),
+        lambda part: Found.largest(part["extension"]),
     ),
 }
 

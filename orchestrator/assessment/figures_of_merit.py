@@ -11,11 +11,11 @@ import numpy as np
 from models.contact.records import ATOM
 from models.core import roles
 from models.core.component import Component
-from models.core.quantities import Quantity, Vector
+from models.core.quantities import Quantity
 from models.valve_train.wire_materials import Fatigue
 
 from .adjusters import ADJUSTER
-from .motion import Found, Motion, Part
+from .motion import NONE, Found, Motion, Part
 from .trains import LIFTED
 
 # Of the largest lift: above it a valve is open.
@@ -25,25 +25,16 @@ AFTER = math.pi / 3.0
 
 
 Figure = tuple[Quantity, Callable[[Part], Found]]
-NONE = Found(math.nan)
 PRESSURE = Quantity("Pa", display_unit="MPa")
 SHARE = Quantity("1", display_unit="%")
 
 
-def _at(values: Vector, row: int | np.intp) -> Found:
-    return Found(float(values[row]), int(row))
-
-
-def _at_largest(values: Vector) -> Found:
-    return _at(values, np.argmax(values))
-
-
 def _largest(variable: str) -> Callable[[Part], Found]:
-    return lambda part: _at_largest(part[variable])
+    return lambda part: Found.largest(part[variable])
 
 
 def _least(variable: str) -> Callable[[Part], Found]:
-    return lambda part: _at(part[variable], np.argmin(part[variable]))
+    return lambda part: Found.at(part[variable], np.argmin(part[variable]))
 
 
 def _mean(variable: str) -> Callable[[Part], Found]:
@@ -115,13 +106,13 @@ def _spring_margin(valve: Part) -> Found:
         return NONE
     share = np.full(opened.size, np.inf)
     share[opened] = valve["load"][opened] / pressed[opened]
-    return _at(share, np.argmin(share))
+    return Found.at(share, np.argmin(share))
 
 
 def _surge(part: Part) -> Found:
     """Largest force of the coils' own motion: the spring's less that of its static rate."""
     static = part.parameter("preload") + part.parameter("spring_rate") * part["position"]
-    return _at_largest(np.abs(part["spring_force"] - static))
+    return Found.largest(np.abs(part["spring_force"] - static))
 
 
 def _lift_area(valve: Part) -> Found:
@@ -140,7 +131,7 @@ def _stress(force: str) -> Callable[[Part], Found]:
 
     def find(spring: Part) -> Found:
         row, by_force = np.argmax(spring[force]), spring.parameter("wire_stress")
-        return _at(by_force * spring[force], row) if by_force > 0.0 else NONE
+        return Found.at(by_force * spring[force], row) if by_force > 0.0 else NONE
 
     return find
 
@@ -168,14 +159,14 @@ def _wire(force: str) -> Mapping[str, Figure]:
 
 def _twist(shaft: Part) -> Found:
     driven = shaft.parameter("drive_ratio") * shaft["drive_angle"] + shaft.parameter("phase")
-    return _at_largest(np.abs(shaft["cam_angle"] - driven))
+    return Found.largest(np.abs(shaft["cam_angle"] - driven))
 
 
 def _least_load(contact: Part) -> Found:
     """While the cam lifts: a train with lash has none on the base circle."""
     if not contact.lifted.any():
         return NONE
-    return _at(contact["load"], np.argmin(np.where(contact.lifted, contact["load"], np.inf)))
+    return Found.at(contact["load"], np.argmin(np.where(contact.lifted, contact["load"], np.inf)))
 
 
 def _least_load_angle(contact: Part) -> Found:
@@ -222,7 +213,7 @@ def _friction_torque(part: Part) -> Found:
 def _landing_lift(valve: Part) -> Found:
     """Lift of the cam as the valve lands: a measure of the ramp that is left."""
     landing = _find_hardest(valve)
-    return NONE if landing is None or valve.cam_lift is None else _at(valve.cam_lift, landing)
+    return NONE if landing is None or valve.cam_lift is None else Found.at(valve.cam_lift, landing)
 
 
 def _ramp_left(valve: Part) -> Found:
@@ -246,7 +237,7 @@ def _least_radial_clearance(watched: Part) -> Found:
     """While the head is in the pocket."""
     inside = watched["clearance"] < watched.parameter("pocket_depth")
     away = np.where(inside, watched["radial_clearance"], np.inf)
-    return _at(away, np.argmin(away)) if inside.any() else NONE
+    return Found.at(away, np.argmin(away)) if inside.any() else NONE
 
 
 CONTACT: Mapping[str, Figure] = {
@@ -344,7 +335,7 @@ LOSS: Mapping[str, Figure] = {"friction_power": (Quantity("W", "mean friction po
 ROLLER: Mapping[str, Figure] = {
     "largest_slip": (
         Quantity("m/s", "largest velocity by which the roller slides"),
-        lambda roller: _at_largest(np.abs(roller["slip"])),
+        lambda roller: Found.largest(np.abs(roller["slip"])),
     )
 }
 BEARING: Mapping[str, Figure] = {

@@ -136,18 +136,21 @@ def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list
     ]
 
 
-def describe_bearings(system: System, merits: Sequence[Merit]) -> list[str]:
+def describe_bearings(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
     """A line for each bearing, of many those with the thinnest films."""
+    near = roles.Bearing.near
     found, bearings = {(m.part, m.figure): m for m in merits}, list_parts(system, roles.Bearing)
     films = {name: found[name, "least_film"] for name in bearings if (name, "least_film") in found}
     told = []
     for name in sorted(films, key=lambda name: films[name].value)[:SHOWN]:
-        far, pressure = found[name, "largest_eccentricity"], found[name, "peak_pressure"]
-        text = f"{name}: least film {films[name].text}, largest eccentricity {far.text} of the clearance"
-        doubt = (
-            f", above {roles.Bearing.near:g}: roughness, bending and heat change its film by more than 1 %"
+        film, far = films[name], found[name, "largest_eccentricity"]
+        load = np.interp(film.time or 0.0, read("time"), read(f"{name}.load"))
+        text = f"{name}: least film {film.text} at {_find_place(system, film, read)} under {load:.3g} N"
+        text += f", largest eccentricity {far.text} of the clearance"
+        doubt = f", above {near:g}: roughness, bending and heat change its film by more than 1 %"
+        told.append(
+            f"{text}{doubt * (far.value > near)}; highest pressure {found[name, 'peak_pressure'].text}"
         )
-        told.append(f"{text}{doubt * (far.value > roles.Bearing.near)}; highest pressure {pressure.text}")
     return told
 
 

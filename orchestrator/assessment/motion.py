@@ -1,7 +1,8 @@
 """The parts of a motion, and what is found of them."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -21,6 +22,20 @@ class Found(NamedTuple):
     value: float
     row: int | None = None
 
+    @classmethod
+    def at(cls, values: Vector, row: int | np.intp) -> "Found":
+        return cls(float(values[row]), int(row))
+
+    @classmethod
+    def largest(cls, values: Vector) -> "Found":
+        return cls.at(values, np.argmax(values))
+
+
+NONE = Found(math.nan)
+# The last rows within this of a turn (rad) are one.
+SLACK = math.radians(3.6)
+ROUNDING = 1e-9
+
 
 @dataclass(frozen=True)
 class Motion:
@@ -31,6 +46,10 @@ class Motion:
     times: Vector
     column: Callable[[str], Vector]
     angle: Angle | None
+
+    def cut(self, first: int) -> "Motion":
+        """The rows from this one on."""
+        return replace(self, times=self.times[first:], column=lambda name: self.column(name)[first:])
 
 
 @dataclass(frozen=True)
@@ -61,6 +80,15 @@ class Part:
         """Of its cam (rad); nan without any."""
         angle = self.train.angle if self.train else self.motion.angle
         return angle.factor * self.motion.column(angle.source) if angle else np.nan * self.motion.times
+
+    @cached_property
+    def last_turn(self) -> "Part | None":
+        """The rows of the cam's last whole turn; None where there is none."""
+        begin = self.angle[-1] - 2.0 * math.pi
+        if not self.angle[0] <= begin + SLACK:
+            return None
+        first = max(0, int(np.searchsorted(self.angle, begin + ROUNDING)) - 1)
+        return Part(self.motion.cut(first), self.name)
 
     @cached_property
     def cam_lift(self) -> Vector | None:

@@ -257,13 +257,19 @@ class Kinematics(NamedTuple):
     acceleration: Vector
 
 
-def find_kinematics(train: Train, time: Vector, values: Mapping[str, Vector]) -> Kinematics:
-    """Of the cam's lift, which a rocker transmits as its ends have moved in these records."""
-    lift = values[f"{train.cam}.cam_lift"]
+def find_rigid_lift(train: Train, column: Callable[[str], Vector]) -> Vector:
+    """The cam's lift, which a rocker transmits as its ends have moved in these records."""
+    lift = column(f"{train.cam}.cam_lift")
     for rocker in train.list_parts(roles.Rocker):
-        rod, tip = values[f"{rocker}.rod_position"], values[f"{rocker}.tip_position"]
+        rod, tip = column(f"{rocker}.rod_position"), column(f"{rocker}.tip_position")
         if np.ptp(rod) > 0.0:
             lift = np.polynomial.Polynomial.fit(rod, tip, DEGREE)(lift)
+    return lift
+
+
+def find_kinematics(train: Train, time: Vector, values: Mapping[str, Vector]) -> Kinematics:
+    """Of the rigid train's lift."""
+    lift = find_rigid_lift(train, values.__getitem__)
     # Rows of step control may lie within a rounding of each other.
     apart = (time[-1] - time[0]) / KNOTS
     _, kept = np.unique(np.floor((time - time[0]) / apart), return_index=True)

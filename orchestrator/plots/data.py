@@ -93,17 +93,13 @@ class FigureData:
             energies=energies,
         ).over(scenario.figures_over)
 
-    def all(self, variable: str) -> list[str]:
-        """All "instance.variable" of that variable."""
-        return [name for name in self.coupled if name.split(".", 1)[1] == variable]
+    def having(self, variable: str) -> list[str]:
+        """The instances with that output."""
+        return [part for part in self.list_instances() if f"{part}.{variable}" in self.coupled]
 
     def list_instances(self) -> list[str]:
         """All instances with outputs, in the scenario's order."""
         return list(dict.fromkeys(name.split(".")[0] for name in self.coupled))
-
-    def driver(self, target: str) -> str:
-        """The instance whose output drives that input; "" if none does."""
-        return self.drivers.get(target, "").split(".")[0]
 
     def opened(self, contact: str, reference: bool = False) -> NDArray[np.bool_]:
         """Where a contact carries no load."""

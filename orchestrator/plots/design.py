@@ -10,21 +10,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from .style import COUPLED, MUTED, REFERENCE, create_subplots
+from .style import COUPLED, MUTED, REFERENCE, RPM, create_subplots
 
 COLOURS = {"before": MUTED, "after": COUPLED}
-RPM = 30.0 / math.pi
 
 
 def draw_design(table: xarray.Dataset) -> Figure:
     """Kinematics on the left, the cam and its contacts on the right, each at the speed where it is worst."""
-    limits, speed = json.loads(table.attrs["limits"]), float(table.attrs["cam_speed"])
+    sizes, speed = json.loads(table.attrs["limits"]), float(table.attrs["cam_speed"])
     contacts = [str(n).removesuffix(".load") for n in table.data_vars if str(n).endswith(".load")]
     contact = contacts[0]
     figure, axes = create_subplots(4, 2, str(table.attrs["title"]), (10.0, 9.6), sharex=True)
     degrees = np.degrees(table["angle"].values)
     square, cube = speed**2, speed**3
-    sizes = {key: limits[key] for key in limits}
     shaft, top = table.attrs["shaft"], float(table.attrs["top_speed"])
     at = f"at {top * RPM:.0f} r/min of {shaft}"
     left: Sequence[tuple[str, float, str, list[float]]] = (

@@ -25,15 +25,14 @@ def applies(data: FigureData) -> bool:
 
 def list_instances(data: FigureData) -> set[str]:
     """All contacts, loaded or not."""
-    return {name.split(".")[0] for name in data.all("film_thickness")}
+    return set(data.having("film_thickness"))
 
 
 def find_loaded_contacts(data: FigureData) -> list[str]:
     """Contacts that carry load at some time in either run."""
-    names = [name.split(".")[0] for name in data.all("film_thickness")]
     return [
         name
-        for name in names
+        for name in data.having("film_thickness")
         if any(np.any(values.get(f"{name}.load", 0.0)) for values in (data.coupled, data.reference))
     ]
 

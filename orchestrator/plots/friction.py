@@ -1,19 +1,12 @@
 """Friction, its torque, film ratio and wear over a cam revolution, and the wear along the follower."""
 
-from collections.abc import Mapping, Sequence
-from typing import Protocol
-
-import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
-from models.core.quantities import Vector
-
 from ..assessment.friction.cycle import TURN, Cycle, Wear
-from ..assessment.friction.losses import SHARES
 from .solved_film import FULL
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_grid, create_subplots
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_subplots
 
 
 def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
@@ -52,51 +45,4 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     for ax in axes:
         ax.set_ylim(bottom=0.0)
     add_legend_above(force, 3)
-    return figure
-
-
-COLUMNS = 3
-
-
-class Torques(Protocol):
-    """Speeds (r/min), torques (N m) by share and their sum, of a design."""
-
-    @property
-    def design(self) -> str: ...
-    @property
-    def speeds(self) -> Vector: ...
-    @property
-    def torques(self) -> Mapping[str, Vector]: ...
-    @property
-    def total(self) -> Vector: ...
-
-
-def draw_shares(designs: Sequence[Torques], title: str) -> Figure:
-    count = len(designs) + (len(designs) > 1)
-    columns = 2 if count == 4 else min(COLUMNS, count)
-    title = f"{title}: friction torque on the drive over speed"
-    size = (max(6.0, 3.6 * columns), 3.0)
-    figure, panels = create_grid(count, columns, title, size, 0.8, sharex=True, sharey=True)
-    shares = [share for share in SHARES if any(share in one.torques for one in designs)]
-    hues = matplotlib.colormaps["tab10"](np.arange(len(SHARES)))
-    colours = {share: hues[SHARES.index(share)] for share in shares}
-    for panel, one in zip(panels, designs, strict=False):
-        panel.set_title(one.design, loc="left")
-        layers = [1e3 * one.torques[share] for share in shares]
-        panel.stackplot(one.speeds, layers, colors=list(colours.values()), labels=shares, alpha=0.85)
-        panel.plot(one.speeds, 1e3 * one.total, color="black", lw=1.0)
-    if len(designs) > 1:
-        sums = panels[len(designs)]
-        sums.set_title("sums", loc="left")
-        shades = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.85, len(designs)))
-        for shade, one in zip(shades, designs, strict=True):
-            sums.plot(one.speeds, 1e3 * one.total, color=shade, marker="o", ms=3.0, label=one.design)
-        sums.legend(loc="best", fontsize=7.5)
-    for i, panel in enumerate(panels):
-        panel.set_xlabel("Speed (r/min)")
-        panel.set_ylim(bottom=0.0)
-        if i % columns == 0:
-            panel.set_ylabel("Torque (mN m)")
-    handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=min(5, len(labels)))
     return figure

@@ -1,16 +1,29 @@
-"""Orbits of journals in their bushes, in parts of the clearance, also magnified; the least films below."""
+"""Orbits of journals in their bushes, in parts of the clearance, also magnified; the least films below.
+
+The bush has its oil grooves, and the direction of the largest load on it.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
+from matplotlib.patches import Arc, Circle
 
 from models.core.quantities import Vector
 
 from .data import FigureData
-from .style import ACCENT, COUPLED, MUTED, create_subplots, label_abscissa, list_handles, plot_both
+from .style import (
+    ACCENT,
+    COUPLED,
+    MUTED,
+    REFERENCE,
+    create_subplots,
+    label_abscissa,
+    list_handles,
+    plot_both,
+    write_remark,
+)
 
 # Bearings side by side at most.
 COLUMNS = 4
@@ -24,8 +37,7 @@ def applies(data: FigureData) -> bool:
 
 def list_bearings(data: FigureData) -> list[str]:
     """Those that show where their journal is."""
-    placed = {name.split(".")[0] for name in data.all("eccentricity_x")}
-    return [part for name in data.all("eccentricity_ratio") if (part := name.split(".")[0]) in placed]
+    return [part for part in data.having("eccentricity_ratio") if f"{part}.eccentricity_x" in data.coupled]
 
 
 def find_orbit(data: FigureData, bearing: str) -> tuple[Vector, Vector]:
@@ -48,6 +60,8 @@ def draw(data: FigureData) -> Figure:
         orbit = find_orbit(data, name)
         _draw_orbit(above, orbit, (0.0, 0.0), 1.08)
         above.set_title(name.replace("_", " "), loc="left")
+        _draw_grooves(above, data, name)
+        _draw_load(above, data, name)
         middle = [0.5 * float(np.min(part) + np.max(part)) for part in orbit]
         reach = 0.6 * max(float(np.ptp(part)) for part in orbit)
         _draw_orbit(magnified, orbit, middle, max(reach, LEAST_REACH))
@@ -69,3 +83,28 @@ def _draw_orbit(axes: Axes, orbit: tuple[Vector, Vector], middle: Sequence[float
     axes.set(aspect="equal")
     axes.set_xlim(middle[0] - reach, middle[0] + reach)
     axes.set_ylim(middle[1] - reach, middle[1] + reach)
+
+
+def _draw_grooves(axes: Axes, data: FigureData, bearing: str) -> None:
+    """Two opposite arcs of the bush where its film has axial grooves."""
+    assert data.system
+    model = data.system.instances[bearing].component.parameters.field("film_model").quantity.choices
+    if model[int(data.parameters[f"{bearing}.film_model"])] != "grooved":
+        return
+    middle, width = (np.degrees(data.parameters[f"{bearing}.groove_{name}"]) for name in ("angle", "width"))
+    for begin in (middle - 0.5 * width, middle + 180.0 - 0.5 * width):
+        arc = Arc(
+            (0.0, 0.0), 2.0, 2.0, theta1=begin, theta2=begin + width, color=ACCENT, lw=5.0, label="groove"
+        )
+        axes.add_patch(arc)
+
+
+def _draw_load(axes: Axes, data: FigureData, bearing: str) -> None:
+    """From the middle towards the bush; the forces are those on the journal."""
+    load = data.coupled[f"{bearing}.load"]
+    row = int(np.argmax(load))
+    if load[row] > 0.0:
+        x, y = (-float(data.coupled[f"{bearing}.force_{axis}"][row]) for axis in "xy")
+        ends = ([0.0, x / np.hypot(x, y)], [0.0, y / np.hypot(x, y)])
+        axes.plot(*ends, color=REFERENCE, lw=1.2, ls="--", marker=".", markevery=[1], label="largest load")
+        write_remark(axes, f"largest load {load[row]:.3g} N")

@@ -1,9 +1,10 @@
 """What figures of motions share: axes of angles, titles and marks."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -11,6 +12,10 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from models.core.quantities import Vector
 from models.slider_crank.equations import THESIS_ALPHA, THESIS_BETA, THESIS_XI
+
+from .style import ACCENT, COUPLED, MUTED
+
+MILLI = 1e3
 
 
 def set_angle_axis(axes: Axes, low: float = 0.0, high: float = 2.0 * math.pi) -> None:
@@ -94,3 +99,24 @@ def describe_machine(values: Mapping[str, Any]) -> str:
         if values.get(name, usual) != usual
     ]
     return ", ".join([*parts, str(values["form"]).replace("_", " ")])
+
+
+def draw_phase(
+    axes: Axes, psi: Vector, psi_rate: Vector, impacts: Any, slides: Any = False, walls: Sequence[float] = ()
+) -> None:
+    """psi' over psi: the trajectory is cut before the rows `impacts`, and its jumps drawn lightly; rows in
+    which it `slides` are marked. `walls`: psi of the nearest and the farthest that a wall comes to the
+    middle."""
+    for distance in walls:
+        for sign in (-1.0, 1.0):
+            axes.axvline(sign * MILLI * distance, color=MUTED, lw=0.8, ls=(0, (5, 3)))
+    axes.vlines(
+        MILLI * psi[impacts], psi_rate[impacts - 1], psi_rate[impacts], color=COUPLED, lw=0.5, alpha=0.25
+    )
+    sliding = np.insert(np.where(slides, psi_rate, np.nan), impacts, np.nan)
+    psi, psi_rate = np.insert(psi, impacts, np.nan), np.insert(psi_rate, impacts, np.nan)
+    axes.plot(MILLI * psi, psi_rate, color=COUPLED, lw=0.9)
+    if np.any(slides):
+        axes.plot(MILLI * psi, sliding, color=ACCENT, lw=2.2)
+    axes.set_xlabel("ψ (mrad)")
+    axes.set_ylabel("ψ′")

@@ -16,26 +16,24 @@ CORNERS = (
 
 
 def applies(data: FigureData) -> bool:
-    return bool(data.all("piston_tilt"))
+    return bool(data.having("piston_tilt"))
 
 
 def list_instances(data: FigureData) -> set[str]:
     """Pistons and the gas above them."""
-    return {name.split(".")[0] for name in (*data.all("piston_tilt"), *data.all("gas_pressure"))}
+    return {*data.having("piston_tilt"), *data.having("gas_pressure")}
 
 
 def draw(data: FigureData) -> Figure:
-    tilt = data.all("piston_tilt")[0]
-    instance = tilt.split(".")[0]
-    gas = data.all("gas_pressure")
+    instance, gas = data.having("piston_tilt")[0], data.having("gas_pressure")
     figure, axes = create_panels(5 if gas else 4, data, f"{data.title}: piston in its bore")
     _draw_corners(axes[0], data, instance, "gap", "Gap")
-    plot_both(axes[1], data, tilt, "Tilt")
+    plot_both(axes[1], data, f"{instance}.piston_tilt", "Tilt")
     axes[1].axhline(0.0, color=MUTED, lw=0.7)
     _draw_corners(axes[2], data, instance, "force", "Wall force")
     plot_both(axes[3], data, f"{instance}.impact_count", "Impacts")
     if gas:
-        plot_both(axes[4], data, gas[0], "Gas pressure")
+        plot_both(axes[4], data, f"{gas[0]}.gas_pressure", "Gas pressure")
     axes[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2)
     add_legend_above(axes[1])
     return figure

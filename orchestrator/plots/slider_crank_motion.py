@@ -12,16 +12,16 @@ WALLS = {"upper": COUPLED, "lower": ACCENT}
 
 
 def applies(data: FigureData) -> bool:
-    return bool(data.all("psi") and data.all("piston_offset"))
+    return bool(data.having("psi") and data.having("piston_offset"))
 
 
 def list_instances(data: FigureData) -> set[str]:
     """The slider-crank."""
-    return {name.split(".")[0] for name in data.all("psi")} if applies(data) else set()
+    return set(data.having("psi")) if applies(data) else set()
 
 
 def draw(data: FigureData) -> Figure:
-    instance = data.all("psi")[0].split(".")[0]
+    instance = data.having("psi")[0]
     data = data.of(instance)
     struck = bool(np.any(data.coupled.get(f"{instance}.impact_count", 0.0)))
     wanted = {

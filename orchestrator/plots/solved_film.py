@@ -42,8 +42,7 @@ def applies(data: FigureData) -> bool:
 
 def find_solved_contacts(data: FigureData) -> list[str]:
     """Contacts whose film is solved for."""
-    names = [name.split(".")[0] for name in data.all("film_ratio")]
-    return [name for name in names if f"{name}.field_tolerance" in data.parameters]
+    return [name for name in data.having("film_ratio") if f"{name}.field_tolerance" in data.parameters]
 
 
 def draw(data: FigureData) -> Figure:

@@ -73,19 +73,8 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
         "abscissa": angle,
         "cycle": cycle,
     }
-    said = {
-        "summary": {},
-        "name": name,
-        "title": f"{name}: steady cycle",
-        "good": True,
-        "verdict": "computing",
-        "notices": [],
-        "version": "",
-        "versions": "",
-        "command": cycle["command"],
-        "fmus": {},
-        "toml": "",
-    }
+    title, command = f"{name}: steady cycle", cycle["command"]
+    said = {"name": name, "title": title, "good": True, "verdict": "computing", "command": command}
     return said, content
 
 

@@ -28,6 +28,16 @@ SCRIPTS = (
     "contact.js", "sweep.js", "cycle.js", "report.js",
 )  # fmt: skip
 
+# What a page that is not of a run does not say.
+UNSAID: Mapping[str, Any] = {
+    "summary": {},
+    "notices": [],
+    "version": "",
+    "versions": "",
+    "fmus": {},
+    "toml": "",
+}
+
 
 def write_report(folder: Path, path: Path | None = None) -> Path:
     """Write the report of the run, or the sweep over speed, in `folder` to `path`, by default in there.
@@ -128,7 +138,7 @@ def render(template: str, **values: Any) -> str:
 def _render(values: Mapping[str, Any], content: Mapping[str, Any]) -> str:
     return render(
         "page.html",
-        **values,
+        **{**UNSAID, **values},
         script=Markup("\n".join(map(_read_asset, SCRIPTS))),
         data=Markup(_to_script(content)),
         has_scene=bool(content["sketches"]),

@@ -64,16 +64,13 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -
         for end, speed in zip(("from", "to"), speeds[[0, -1]], strict=True)
     ]
     return {
-        "summary": {},
         "name": name,
         "title": f"{name} over speed",
         "good": not separation or separation["text"].startswith("contact is kept"),
         "verdict": separation["text"] if separation else "no contact can be lost",
         "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
-        "versions": "",
         "command": repeat("speeds", folder / SWEPT, folder, *ends, Option("count", speeds.size)),
-        "fmus": {},
         "toml": toml,
     }
 

@@ -102,7 +102,7 @@ def _summarise_contacts(system: System, summary: Summary, result: ResultFile) ->
         figures = list_merits(system, contacts, column)
         told += describe_trains(system, figures, column)
         told += describe_drive(system, figures, column)
-        told += [*describe_adjusters(system, figures, column), *describe_bearings(system, figures)]
+        told += [*describe_adjusters(system, figures, column), *describe_bearings(system, figures, column)]
     return replace(
         summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,
         friction=sum_friction(system, figures),

@@ -8,7 +8,6 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
@@ -18,7 +17,7 @@ from models.core.words import tally
 from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
 from ..errors import Command, Words, in_command_line, join, start_over
-from ..reporter import DRAWING, PAGE, RECORDS, Reporter
+from ..reporter import DRAWING, PAGE, RECORDS, Reporter, make_table
 from ..scenario.values import WARNING
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv
@@ -196,31 +195,15 @@ def _print_details(summary: Summary, out: Path, written_files: Sequence[Path], r
 REFERENCES = {"monolithic": "the monolithic reference", "refinement": "the limit of runs with smaller steps"}
 
 
-def _make_table(title: str, caption: str, first: str, numbers: Sequence[str]) -> Table:
-    """A table whose first column names what the numbers beside it are of."""
-    table = Table(
-        title=title,
-        caption=caption or None,
-        title_justify="left",
-        caption_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
-    table.add_column(first, overflow="fold")
-    for column in numbers:
-        table.add_column(column, justify="right", no_wrap=True)
-    return table
-
-
 def _tabulate(errors: Errors, method: str) -> Table:
     """The comparison as a table; variables with a tolerance first."""
     refined = method == "refinement"
     starred = any(error.below_uncertainty for error in errors.values())
-    table = _make_table(
+    table = make_table(
         f"Coupled run against {REFERENCES[method]} (SI units)",
-        "* below the reference's own uncertainty" if starred else "",
-        "variable",
+        ["variable"],
         ["max", "RMS", "relative\nRMS", "reference\n±", *["order"] * refined, "allowed"],
+        "* below the reference's own uncertainty" if starred else "",
     )
     table.add_column("")
     for name, error in sorted(errors.items(), key=lambda item: item[1].tolerance is None):
@@ -239,13 +222,13 @@ def _tabulate(errors: Errors, method: str) -> Table:
 
 def _tabulate_witness(witness: WitnessComparison) -> Table:
     """Coupled run, reference and witness side by side."""
-    table = _make_table(
+    table = make_table(
         "Coupled run, monolithic reference and multibody model (SI units: least, largest)",
+        ["quantity"],
+        ["coupled", "reference", "multibody", "coupled,\nrelative RMS", "reference,\nrelative RMS"],
         f"{witness.method}\n{tally(witness.constraints, 'constraint')}, "
         f"{tally(witness.freedoms, 'freedom')}, constraints kept to {witness.drift:.0e}; "
         f"{witness.wall_time_s:.1f} s",
-        "quantity",
-        ["coupled", "reference", "multibody", "coupled,\nrelative RMS", "reference,\nrelative RMS"],
     )
     for name, row in witness.quantities.items():
         spans = (f"{low:.6g}\n{high:.6g}" for low, high in (row.coupled, row.reference, row.multibody))

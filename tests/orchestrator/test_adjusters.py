@@ -1,5 +1,7 @@
 """What is told of a hydraulic lash adjuster, from columns whose answers are known."""
 
+import math
+
 import numpy as np
 import pytest
 import xarray
@@ -63,6 +65,22 @@ def test_extremes_stand_at_their_rows():
     assert found["shortening"].row > TIME.size // 2  # of the last turn
     assert (found["growth"].value, found["held_open"].value) == (pytest.approx(0.0, abs=1e-12), 0.0)
     assert found["seat_force_kept"].value == pytest.approx(310.0)
+
+
+def test_lift_and_timing_are_lost_by_what_the_adjuster_shortens():
+    """A lift of 8 mm (1 - cos)/2 that loses s at its top and foot: it passes 1 mm by s/(ds/dangle) later, and
+    earlier as it closes; the valve keeps the angle where nothing is lost."""
+    bump = np.where(LIFTS, 0.5 - 0.5 * np.cos(2.0 * (TURNED - 0.5 * np.pi)), 0.0)
+    lost = np.where(LIFTS, 30e-6, 0.0)
+    cam, valve = {"tappet__cam_lift": 8e-3 * bump}, {"valve_spring__valve_lift": 8e-3 * bump - lost}
+    found = find(**cam, **valve)
+    assert found["lift_loss"].value == pytest.approx(30e-6)
+    assert TURNED[found["lift_loss"].row] == pytest.approx(np.pi, abs=2e-3)
+    slope = 8e-3 * math.sqrt(1.0 - (1.0 - 2.0 / 8.0) ** 2)
+    for end, sign in (("opening", 1.0), ("closing", -1.0)):
+        assert found[f"{end}_shift"].value == pytest.approx(sign * 30e-6 / slope, rel=2e-2)
+    whole = find(**cam, valve_spring__valve_lift=8e-3 * bump)
+    assert [whole[name].value for name in ("lift_loss", "opening_shift", "closing_shift")] == [0.0] * 3
 
 
 def test_a_run_tells_of_pressure_leak_check_valve_and_seat():

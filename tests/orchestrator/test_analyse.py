@@ -15,11 +15,8 @@ from typer.testing import CliRunner
 from models.slider_crank.motions.machine import FORMS
 from orchestrator.analyses import list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
-from orchestrator.analyses._motion import draw_phase
-from orchestrator.analyses.poincare import draw_poincare, magnify
 from orchestrator.errors import MistakeError
 from orchestrator.plots.motion import format_angle, shift_to_first_turn
-from orchestrator.plots.style import create_subplots
 from tests.fmus.names import mark_long
 from tribocosim.command_line import app
 
@@ -152,13 +149,6 @@ def test_lists_analyses_and_parameters():
     assert all(name in shown for name in load("trace").parameters)
 
 
-@pytest.mark.parametrize(
-    ("text", "value"), [("a=1", 1), ("a = 0.5", 0.5), ("a=true", True), ("a=8 mm", "8 mm"), ("a=x", "x")]
-)
-def test_setting_is_read_as_toml_where_it_is_toml(text, value):
-    assert parse_setting(text) == ("a", value)
-
-
 def test_poincare_map_ends_early_with_enough_impacts():
     """Counted to the end of a batch of cycles; what is per cycle does not change."""
     values = {"form": "as_published", "damping": 0.25, "gap": 0.015, "transient": 50}
@@ -208,36 +198,3 @@ def test_angles_count_from_their_own_revolution(turns: int, phase: float) -> Non
     """To the resolution of so large an angle."""
     theta = np.array([2.0 * math.pi * turns, 2.0 * math.pi * turns + phase])
     assert shift_to_first_turn(theta) == pytest.approx([0.0, phase], abs=1e-9)
-
-
-@given(
-    points=st.lists(st.tuples(st.floats(0.0, 6.28), st.floats(-1.0, 1.0)), min_size=1, max_size=30),
-    centre=st.tuples(st.floats(0.0, 6.28), st.floats(-1.0, 1.0)),
-    by=st.floats(1.0, 100.0),
-)
-@settings(derandomize=True, deadline=None)
-def test_window_is_around_a_point_and_so_much_smaller(points: list, centre: tuple, by: float) -> None:
-    """Its middle is one of the points, its width 2 pi over the magnification."""
-    theta, rate = (np.array(column) for column in zip(*points, strict=True))
-    low, high, bottom, top = magnify(theta, rate, centre, by)
-    assert high - low == pytest.approx(2.0 * math.pi / by)
-    middle = (0.5 * (low + high), 0.5 * (bottom + top))
-    assert min(np.hypot(theta - middle[0], rate - middle[1])) < 1e-12
-
-
-def test_window_shows_the_points_in_it() -> None:
-    _, axes = create_subplots()
-    draw_poincare(axes, np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.2, 0.3]), window=(1.5, 3.5, 0.0, 0.25))
-    np.testing.assert_array_equal(axes.collections[0].get_offsets(), [[2.0, 0.2]])
-
-
-def test_phase_portrait_is_cut_at_impacts() -> None:
-    """No line leads from before an impact to after it but the jump's own."""
-    theta = np.array([0.0, 1.0, 1.0, 2.0])
-    psi, rate = np.array([0.0, 1e-2, 1e-2, 0.0]), np.array([1.0, 1.0, -0.9, -0.9])
-    _, axes = create_subplots()
-    draw_phase(axes, theta, psi, rate, np.zeros(4))
-    (line,) = axes.lines
-    np.testing.assert_array_equal(line.get_ydata(), [1.0, 1.0, np.nan, -0.9, -0.9])
-    (jump,) = axes.collections[0].get_segments()
-    np.testing.assert_array_equal(jump, [[10.0, 1.0], [10.0, -0.9]])

@@ -146,16 +146,22 @@ def test_films_of_bearings_are_told_and_doubted_near_the_bush():
     far = {"bearing_1.eccentricity_ratio": 0.5, "bearing_2.eccentricity_ratio": 0.97}
     films = {f"{name.split('.')[0]}.minimum_film_thickness": 25e-6 * (1.0 - e) for name, e in far.items()}
     system, rows = build_system(load("shaft-in-bearings")), np.array([0.0, 1.0, 2.0])
+    films["bearing_2.minimum_film_thickness"] *= np.array([3.0, 1.0, 2.0])
+    loads = {
+        "bearing_2.load": np.array([90.0, 450.0, 700.0]),
+        "flywheel.angle": np.radians([0.0, 210.0, 300.0]),
+    }
 
     def read(name):
-        return 1.0 * rows if name == "time" else (far | films).get(name, 0.0) + 0.0 * rows
+        return 1.0 * rows if name == "time" else (far | films | loads).get(name, 0.0) + 0.0 * rows
 
-    near, safe = describe_bearings(system, list_merits(system, {}, read))
+    near, safe = describe_bearings(system, list_merits(system, {}, read), read)
     assert near.startswith(
-        "bearing_2: least film 0.75 µm, largest eccentricity 0.97 of the clearance, above 0.95: rough"
+        "bearing_2: least film 0.75 µm at cam 210.0 deg under 450 N, largest eccentricity 0.97 of the "
+        "clearance, above 0.95: rough"
     )
     assert safe.startswith(
-        "bearing_1: least film 12.5 µm, largest eccentricity 0.5 of the clearance; highest"
+        "bearing_1: least film 12.5 µm at cam 0.0 deg under 0 N, largest eccentricity 0.5 of the clearance;"
     )
 
 

@@ -291,6 +291,8 @@ def test_orbits_are_in_parts_of_the_clearance():
     columns = {"x": x, "y": y, "ratio": np.hypot(x, y) / 25e-6}
     coupled = {f"bearing_1.eccentricity_{end}": (values, METRE) for end, values in columns.items()}
     coupled["bearing_1.minimum_film_thickness"] = (25e-6 - np.hypot(x, y), METRE)
+    force = {"force_x": -30.0 * time, "force_y": 40.0 * time, "load": 50.0 * time}
+    coupled |= {f"bearing_1.{name}": (values, FORCE) for name, values in force.items()}
     data = build_data("shaft-in-bearings", time, coupled)
     orbit = np.hypot(*journal_orbits.find_orbit(data, "bearing_1"))
     assert orbit[0] == 0.0
@@ -300,8 +302,18 @@ def test_orbits_are_in_parts_of_the_clearance():
     above, magnified, _ = figure.axes
     assert above.get_title(loc="left") == "bearing 1"
     assert magnified.get_xlim() == pytest.approx((-0.48, 0.48), abs=1e-3)  # 1.2 times the orbit
+    assert above.get_title(loc="right").startswith("largest load 6 N")
+    assert above.lines[-1].get_xydata()[1] == pytest.approx([0.6, -0.8])  # on the bush
+    assert len(above.patches) == 1
     labels = {text.get_text() for text in figure.legends[0].get_texts()}
     assert labels >= {"coupled", "bush", "start"}
+    given = {"film_model": 2.0, "groove_angle": np.radians(30.0), "groove_width": np.radians(20.0)}
+    own = data.parameters | {f"bearing_1.{name}": value for name, value in given.items()}
+    _, *grooves = journal_orbits.draw(replace(data, parameters=own)).axes[0].patches
+    assert [(arc.theta1, arc.theta2) for arc in grooves] == [
+        pytest.approx((20, 40)),
+        pytest.approx((200, 220)),
+    ]
     hidden = {"pin.eccentricity_ratio": coupled["bearing_1.eccentricity_ratio"]}
     assert not journal_orbits.applies(build_data("roller-friction", time, hidden)), "the place is not shown"
 

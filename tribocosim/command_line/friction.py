@@ -140,11 +140,10 @@ def _report_sweeps(
             friction.write_sheets(sheets, table)
         reporter.line(f"table in {table}")
     if figure:
-        from orchestrator.plots.friction import draw_shares
         from orchestrator.plots.style import save_figure
 
         with writing(figure, "figure"):
-            save_figure(partial(draw_shares, sheets, folder.resolve().name), figure)
+            save_figure(partial(friction.draw_shares, sheets, folder.resolve().name), figure)
         reporter.line(f"figure in {figure}")
     return True
 

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich import box
 from rich.table import Table
 from rich.text import Text
 
 from models.core.words import tally
 
 from ...masters import find_name
+from ...reporter import make_table
 from ...scenario.files import to_full_toml
 from ...scenario.units import format_time
 from .behaviour import SPACING
@@ -32,23 +32,11 @@ SHOWN = 4
 
 def build_table(found: Survey) -> Table:
     """Build a table with a row for each method, the cheapest first."""
-    table = Table(
-        title=f"{found.scenario.name}: methods about its linearisation, cheapest first",
-        title_justify="left",
-        box=box.SIMPLE_HEAD,
-        pad_edge=False,
-    )
-    table.add_column("master, signal", no_wrap=True)
     at = format_time(found.scenario.macro_step)
-    heads = (
-        "stable\nup to",
-        "iteration\ncontracts",
-        f"error at\n{at}",
-        "within tol.\nup to",
-        "advised\nstep",
-    )
-    for head in (*heads, "participant\nsteps/s"):
-        table.add_column(head, justify="right", no_wrap=True)
+    title = f"{found.scenario.name}: methods about its linearisation, cheapest first"
+    steps = ("within tol.\nup to", "advised\nstep", "participant\nsteps/s")
+    heads = ("stable\nup to", "iteration\ncontracts", f"error at\n{at}", *steps)
+    table = make_table(title, ["master, signal"], heads)
     table.add_column("")
     for method in found.methods:
         marks = [("advised", "bold green")] if method is found.best else []

@@ -5,13 +5,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from rich import box
 from rich.table import Table
-from rich.text import Text
 
 from models.contact.records import ATOM
 
 from ...errors import Option, Words
+from ...reporter import make_table
 from ...scenario.display import format_number
 from .cycle import TURN, Cycle, Summary, Wear, summary
 
@@ -86,14 +85,8 @@ def tables(found: Sequence[Judged]) -> Iterator[Table]:
         apart = 1e6 * float(np.diff(some[0].cycle.time).max())
         note = f"wear at {some[0].coefficient:g} m2/N; all revolutions: {some[0].cycles:g}; "
         note += f"from recorded rows, {apart:.3g} µs apart at most"
-        table = Table(
-            title="Friction and wear over the last revolution",
-            caption=note, title_justify="left", caption_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
-        )  # fmt: skip
-        table.add_column("quantity", no_wrap=True)
-        table.add_column("unit", no_wrap=True)
-        for each in some:
-            table.add_column(Text(each.cycle.contact), justify="right")
+        title, contacts = "Friction and wear over the last revolution", [each.cycle.contact for each in some]
+        table = make_table(title, ["quantity", "unit"], contacts, note)
         for words, unit, text in ROWS:
             table.add_row(words, unit, *map(text, some))
         yield table

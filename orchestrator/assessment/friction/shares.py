@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from rich import box
 from rich.table import Table
 
 from models.core import roles
 from models.core.system import System
 
 from ...errors import Words
+from ...reporter import make_table
 from ...scenario.display import format_number
 from ..figures_of_merit import measure
 from ..motion import Motion, Part
@@ -111,18 +111,15 @@ def cut_last_turn(motion: Motion, turned: float) -> Motion:
     """The rows of the last turn of an angle that turned so far (rad)."""
     begin = motion.times[-1] - (motion.times[-1] - motion.times[0]) * min(1.0, 2.0 * math.pi / turned)
     first = int(np.searchsorted(motion.times, begin - 1e-9 * motion.times[-1]))
-    return Motion(motion.system, motion.times[first:], lambda name: motion.column(name)[first:], motion.angle)
+    return motion.cut(first)
 
 
 def tabulate_losses(found: Losses) -> Table:
     """Powers, and the drive torques of the same power, by share."""
-    table = Table(
-        title="Friction of the whole train, means over that revolution",
-        title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False,
-    )  # fmt: skip
-    heads = ("share", "power (W)", "in the motion (W)", "as drive torque (N m)", "%", "parts")
-    for head in heads:
-        table.add_column(head, justify="left" if head in ("share", "parts") else "right", overflow="fold")
+    title = "Friction of the whole train, means over that revolution"
+    heads = ("power (W)", "in the motion (W)", "as drive torque (N m)", "%")
+    table = make_table(title, ["share"], heads)
+    table.add_column("parts", overflow="fold")
     rows = [(share, power, found.inside[share]) for share, power in found.shares.items()]
     for share, *powers in [*rows, ("sum", found.total, sum(found.inside.values()))]:
         parts = ", ".join(loss.part for loss in found.losses if loss.share == share)

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import matplotlib
 import numpy as np
-from rich import box
+from matplotlib.figure import Figure
 from rich.table import Table
 
 from models.core.quantities import Vector
@@ -16,6 +17,8 @@ from models.monolithic.cycle import STEADY
 from ...assessment.friction.losses import SHARES, list_losses, name_outside
 from ...assessment.trains import list_parts
 from ...errors import MistakeError
+from ...plots.style import create_grid
+from ...reporter import make_table
 from ...scenario.display import format_number
 from ...store.csv_file import write_rows
 from ...store.output_folder import STORE, SUMMARY
@@ -23,6 +26,8 @@ from .compare import read_sweep
 
 RPM = 30.0 / math.pi
 DRIVE, WHOLE = "drive", "drive with all friction"
+# Panels side by side.
+COLUMNS = 3
 
 
 @dataclass(frozen=True)
@@ -96,13 +101,8 @@ def _list_rows(sheets: Sequence[Sheet]) -> list[tuple[str, list[float]]]:
 
 def tabulate_sheets(sheets: Sequence[Sheet]) -> Table:
     """Torques in mN m."""
-    table = Table(
-        title="Friction torque on the drive (mN m), means over the cycle", title_justify="left",
-        box=box.SIMPLE_HEAD, pad_edge=False,
-    )  # fmt: skip
-    table.add_column("design")
-    for head in ("r/min", *_list_shares(sheets), "sum", DRIVE, WHOLE):
-        table.add_column(head, justify="right")
+    title, shares = "Friction torque on the drive (mN m), means over the cycle", _list_shares(sheets)
+    table = make_table(title, ["design"], ("r/min", *shares, "sum", DRIVE, WHOLE))
     for design, (speed, *torques) in _list_rows(sheets):
         table.add_row(design, f"{speed:.0f}", *(format_number(1e3 * torque, 3) for torque in torques))
     return table
@@ -118,3 +118,35 @@ def write_sheets(sheets: Sequence[Sheet], path: Path) -> None:
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     write_rows(path, [["design", "speed [r/min]", *heads], *rows])
+
+
+def draw_shares(designs: Sequence[Sheet], title: str) -> Figure:
+    """Torques (mN m) by share, stacked over speed: a panel for each design, and one of their sums."""
+    count = len(designs) + (len(designs) > 1)
+    columns = 2 if count == 4 else min(COLUMNS, count)
+    title = f"{title}: friction torque on the drive over speed"
+    size = (max(6.0, 3.6 * columns), 3.0)
+    figure, panels = create_grid(count, columns, title, size, 0.8, sharex=True, sharey=True)
+    shares = _list_shares(designs)
+    hues = matplotlib.colormaps["tab10"](np.arange(len(SHARES)))
+    colours = {share: hues[SHARES.index(share)] for share in shares}
+    for panel, one in zip(panels, designs, strict=False):
+        panel.set_title(one.design, loc="left")
+        layers = [1e3 * one.torques[share] for share in shares]
+        panel.stackplot(one.speeds, layers, colors=list(colours.values()), labels=shares, alpha=0.85)
+        panel.plot(one.speeds, 1e3 * one.total, color="black", lw=1.0)
+    if len(designs) > 1:
+        sums = panels[len(designs)]
+        sums.set_title("sums", loc="left")
+        shades = matplotlib.colormaps["plasma"](np.linspace(0.0, 0.85, len(designs)))
+        for shade, one in zip(shades, designs, strict=True):
+            sums.plot(one.speeds, 1e3 * one.total, color=shade, marker="o", ms=3.0, label=one.design)
+        sums.legend(loc="best", fontsize=7.5)
+    for i, panel in enumerate(panels):
+        panel.set_xlabel("Speed (r/min)")
+        panel.set_ylim(bottom=0.0)
+        if i % columns == 0:
+            panel.set_ylabel("Torque (mN m)")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=min(5, len(labels)))
+    return figure
