@@ -6,37 +6,11 @@
 >>> result.coupled["contact.load"]
 """
 
+# ruff: noqa: F403, F405  # the names are those of `api`, which type checkers read
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .api import MistakeError as MistakeError
-    from .api import Result as Result
-    from .api import RunError as RunError
-    from .api import Scenario as Scenario
-    from .api import analyse as analyse
-    from .api import build_fmu as build_fmu
-    from .api import build_scenario_fmus as build_scenario_fmus
-    from .api import calibrate as calibrate
-    from .api import cam as cam
-    from .api import compare as compare
-    from .api import compare_fmu as compare_fmu
-    from .api import design as design
-    from .api import execute as execute
-    from .api import fmu_info as fmu_info
-    from .api import load as load
-    from .api import open as open
-    from .api import plan as plan
-    from .api import report as report
-    from .api import resume as resume
-    from .api import run as run
-    from .api import scenarios as scenarios
-    from .api import sensitivities as sensitivities
-    from .api import session as session
-    from .api import speeds as speeds
-    from .api import study as study
-    from .api import tolerances as tolerances
-    from .api import validate_fmu as validate_fmu
-    from .api import wear as wear
+    from .api import *
 
 __all__ = [
     "MistakeError", "Result", "RunError", "Scenario", "analyse", "build_fmu", "build_scenario_fmus",

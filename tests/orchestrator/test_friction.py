@@ -35,7 +35,7 @@ from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
-from tribocosim.command_line.friction import name_file
+from tribocosim.command_line.results import name_file
 
 from .commands import called, said
 

@@ -9,25 +9,15 @@ import typer
 
 from .analyse import run_analysis
 from .apart import remember_arguments
-from .calibrate import run_calibrate
 from .cams import draw_cam, print_clearance, print_spring
-from .compare import compare_sweeps
-from .components import print_components
-from .design import design_cam
-from .diagnose import print_diagnosis
+from .cycles import compare_sweeps, run_sensitivities, run_speeds, run_tolerances, run_wear
 from .fmu import fmu_build, fmu_compare, fmu_info, fmu_validate
-from .friction import print_friction
-from .masters import run_masters
+from .lists import list_scenarios, print_components
 from .misuse import Commands
-from .report import write_page
+from .results import print_diagnosis, print_friction, write_page
 from .run import resume_run, run_scenario
-from .scenarios import list_scenarios
-from .sensitivities import run_sensitivities
-from .speeds import run_speeds
 from .ssp import ssp_export, ssp_import
-from .study import run_study
-from .tolerances import run_tolerances
-from .wear import run_wear
+from .studies import design_cam, run_calibrate, run_masters, run_study
 
 app = typer.Typer(
     cls=Commands,

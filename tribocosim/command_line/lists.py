@@ -1,4 +1,4 @@
-"""tribocosim components."""
+"""tribocosim scenarios and components: what is shipped."""
 
 from typing import Annotated
 
@@ -8,6 +8,29 @@ from ..messages import show
 from .completion import complete_component
 from .error_report import report_errors
 from .json_output import Json, print_json
+
+
+@report_errors
+def list_scenarios(
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Print the JSON schema of scenario files.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """List the shipped scenarios."""
+    if schema:
+        from orchestrator.scenario.schema import write_schema
+
+        show(write_schema(), end="")
+        return
+    from ..scenario import scenarios
+
+    found = scenarios()
+    if as_json:
+        print_json(found)
+        return
+    for name, description in found.items():
+        show(f"{name:24} {description}")
 
 
 @report_errors

@@ -1,4 +1,4 @@
-"""tribocosim friction."""
+"""tribocosim report, diagnose and friction: what a run or sweep has left."""
 
 from __future__ import annotations
 
@@ -15,6 +15,76 @@ from .json_output import Json, build_reporter, print_json
 if TYPE_CHECKING:
     from orchestrator.errors import Option
     from orchestrator.reporter import Reporter
+
+
+@report_errors
+def write_page(
+    folder: Annotated[
+        Path, typer.Argument(help="Output folder of a run or a speed sweep; with --cycle also a scenario.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            help="File of the page, or a folder for it.",
+            show_default="report.html or cycle.html in FOLDER; of a scenario here",
+        ),
+    ] = None,
+    cycle: Annotated[
+        bool,
+        typer.Option(
+            "--cycle",
+            help="Write cycle.html, which computes the train's steady cycle as sliders move (extra native).",
+        ),
+    ] = False,
+) -> None:
+    """Rewrite report.html, the page with the animated mechanism, plots and errors, and a run's figures.
+
+    With --out it writes the page only. Exit status 3: a figure or the page failed.
+    """
+    from orchestrator.reporter import Reporter
+
+    from ..cycle_page import draw_page
+
+    reporter = Reporter()
+    reporter.line(f"report in {draw_page(folder, out, cycle, reporter)}")
+
+
+@report_errors
+def print_diagnosis(
+    folder: Annotated[
+        Path,
+        typer.Argument(help="Output folder of a run; or a scenario, by name or file, for its newest run."),
+    ],
+    figure: Annotated[Path | None, typer.Option(help="Draw the steps to this file (.png).")] = None,
+    as_json: Json = False,
+) -> None:
+    """Report where the time of a run went, who limits its steps, and what to change."""
+    from orchestrator.assessment.diagnosis.report import diagnose
+    from orchestrator.errors import MistakeError, Option
+    from orchestrator.plots.steps import draw_steps
+    from orchestrator.plots.style import save_figure
+    from orchestrator.store.output_folder import writing
+
+    if figure and figure.suffix != ".png":
+        raise MistakeError((Option("figure", figure), ": must end in .png"))
+    reporter = build_reporter(as_json)
+    found = diagnose(folder)
+    if as_json:
+        print_json(
+            {
+                "diagnosis": found.diagnosis,
+                "effort": found.spending.effort,
+                "stages": found.spending.stages,
+                "suggestions": found.suggestions,
+            }
+        )
+    for line in found.lines:
+        reporter.line(line)
+    if figure:
+        with writing(figure, "figure"):
+            save_figure(lambda: draw_steps(found.steps, found.scenario.name), figure)
+        reporter.line(f"figure in {figure}")
+
 
 # m2/N; a choice, see `docs/theory/contact.md`.
 COEFFICIENT = 1e-17
