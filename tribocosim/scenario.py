@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from orchestrator.assessment.trains import check_lash
 from orchestrator.errors import MistakeError
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.checks import check_units
@@ -75,7 +76,7 @@ def read_tables(source: Scenario | str | Path, settings: Sequence[str] = ()) -> 
     loaded = Scenario(*read(source, settings)) if isinstance(source, str | Path) else load(source)
     checked = loaded.check()
     check_units(checked)
-    build_system(checked)
+    check_lash(build_system(checked))
     return dict(loaded.content)
 
 

@@ -14,6 +14,7 @@ from models.core import roles
 from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
+from ..errors import MistakeError
 from ..store.coordinates import Coordinate
 from .lost_contact import LOST, ContactLaw
 
@@ -275,3 +276,15 @@ def find_kinematics(train: Train, time: Vector, values: Mapping[str, Vector]) ->
     _, kept = np.unique(np.floor((time - time[0]) / apart), return_index=True)
     spline = scipy.interpolate.CubicSpline(time[kept], lift[kept])
     return Kinematics(lift, spline(time, 1), spline(time, 2))
+
+
+def check_lash(system: System) -> None:
+    """MistakeError for a cam that no valve follows, as its lift does not take up the lash: contact would seem
+    to be kept."""
+    for train in find_trains(system):
+        if 0.0 < train.largest_lift <= train.lash:
+            taken, lift = (f"{1e3 * length:.3g} mm" for length in (train.lash, train.largest_lift))
+            raise MistakeError(
+                f"{train.valve}: its lash takes {taken} of the lift of {train.cam}, which is {lift}",
+                "lower the lash, or raise the lift",
+            )

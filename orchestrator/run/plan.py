@@ -14,6 +14,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..assessment.gas_phase import list_doubtful_gas
+from ..assessment.trains import check_lash
 from ..engine.effort import timed
 from ..engine.energy import add_counting, counting_structure
 from ..engine.instants import SideLines
@@ -182,6 +183,7 @@ def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: b
         named = Set("master.name", "gauss_seidel")
         raise ScenarioError((f"master.name = {AUTO!r}: is not chosen here; name one, e.g. ", named))
     check_witness(scenario, system)
+    check_lash(system)
     with reporter.stage(FMUS):
         participants = plan_participants(scenario, assembly.linear, build)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]

@@ -17,7 +17,7 @@ from models.valve_train.cams.table import TURN
 from models.valve_train.worn_cam import sample_cam
 
 from ...assessment.films import has_film
-from ...assessment.trains import Train, find_trains
+from ...assessment.trains import Train, check_lash, find_trains
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
 from ...scenario.cams import read_cam
@@ -208,7 +208,8 @@ def open_train(
     """The train of a scenario; MistakeError or ModelError for one without a cam on a flywheel."""
     own, scenario = tables, build_scenario(tables)
     flywheel = find_flywheel(scenario)
-    cams = [train.cam for train in find_trains(build_system(scenario))]
+    check_lash(system := build_system(scenario))
+    cams = [train.cam for train in find_trains(system)]
     if component is None and len(cams) > 1:
         raise MistakeError(f"{scenario.name}: has the cams {', '.join(cams)}", "choose one with cam = ...")
     cam = component or cams[0]

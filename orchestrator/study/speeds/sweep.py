@@ -25,7 +25,7 @@ from ...assessment.contacts.lines import FED
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
-from ...assessment.trains import find_trains, list_parts, parameter_of
+from ...assessment.trains import list_parts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
 from ...plots.style import save_figure
@@ -185,22 +185,9 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
     """The study of a scenario's cycles; MistakeError or ModelError for a fault of the scenario."""
     scenario = build_scenario(tables)
     check_units(scenario)
-    check_lash(build_system(scenario))
     subject = SpeedSubject(tables, find_flywheel(scenario), str((out / FOLDER).absolute()))
     name, ends = scenario.name, (speeds.low, speeds.high)
     return plan_axis(name, f"{name} over speed", subject, "speed", ends, speeds.count), subject
-
-
-def check_lash(system: System) -> None:
-    """MistakeError for a cam that no valve follows, as its lift does not take up the lash: contact would seem
-    to be kept."""
-    for train in find_trains(system):
-        if 0.0 < train.largest_lift <= train.lash:
-            taken, lift = (f"{1e3 * length:.3g} mm" for length in (train.lash, train.largest_lift))
-            raise MistakeError(
-                f"{train.valve}: its lash takes {taken} of the lift of {train.cam}, which is {lift}",
-                "lower the lash, or raise the lift",
-            )
 
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
