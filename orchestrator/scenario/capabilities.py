@@ -77,13 +77,7 @@ def check_capabilities(scenario: Scenario) -> None:
         about = scenario.components[name].describe()
         if fault := _find_library_fault(path, about) or _find_fault(scenario, name, about):
             raise ScenarioError(f"components.{name}.participant: {path}: {fault}")
-    for name, table in scenario.components.items():
-        if table.memory_limit_mb is not None and not (table.own_process and sys.platform == "linux"):
-            remedy = "leave it out" if table.own_process else f"set components.{name}.process = 'own'"
-            raise ScenarioError(
-                f"components.{name}.memory_limit_mb: limits a process of its own, on Linux; {remedy}"
-            )
-    _check_time_limit(scenario)
+    _check_limits(scenario)
     shared = Counter(
         path.resolve() for name, path in files.items() if not scenario.components[name].own_process
     )
@@ -95,16 +89,23 @@ def check_capabilities(scenario: Scenario) -> None:
             )
 
 
-def _check_time_limit(scenario: Scenario) -> None:
-    """ScenarioError where `call_time_limit` would be without effect."""
+def _check_limits(scenario: Scenario) -> None:
+    """ScenarioError where a limit of FMUs' own processes would be without effect."""
+    apart = {name: table.own_process for name, table in scenario.components.items()}
+    for name, table in scenario.components.items():
+        if table.memory_limit_mb is not None and not (apart[name] and sys.platform == "linux"):
+            remedy = "leave it out" if apart[name] else f"set components.{name}.process = 'own'"
+            raise ScenarioError(
+                f"components.{name}.memory_limit_mb: limits a process of its own, on Linux; {remedy}"
+            )
     if scenario.call_time_limit is None:
         return
     if not hasattr(select, "poll"):
         raise ScenarioError("call_time_limit: needs a POSIX system; leave it out")
-    for name in scenario.exposed:
+    if without := scenario.exposed or ([] if any(apart.values()) else list(apart)):
         raise ScenarioError(
-            f"components.{name}.process: 'shared' has no call_time_limit; take 'own', or leave "
-            "call_time_limit out"
+            f"call_time_limit = {scenario.call_time_limit:g} s: limits calls of FMUs in their own processes, "
+            f"but {without[0]} is in the run's; set components.{without[0]}.process = 'own', or leave it out"
         )
 
 

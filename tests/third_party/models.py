@@ -244,13 +244,6 @@ MODELS["forgetful hasty"] = replace(
 LIMITED = "if (t > 0.495) "
 for _name, _code in VICES.items():
     MODELS[_name] = Model(DECAY.variables, f"{LIMITED}{_code} {EXPONENTIAL}")
-# Print in every step, to both streams; the other one crashes.
-MODELS["printing"] = replace(
-    DECAY, step='printf("at %g\\n", t); fprintf(stderr, "of %g\\n", h); ' + EXPONENTIAL
-)
-MODELS["printing_crash"] = replace(
-    MODELS["crashing"], step='printf("at %g\\n", t); ' + MODELS["crashing"].step
-)
 # Comes back halfway through every step that is longer than 6 ms.
 MODELS["early"] = Model(
     DECAY.variables,
@@ -270,31 +263,42 @@ for _name, _reached in {"stuck": "t", "backwards": "t - 1", "timeless": "0.0 / 0
     MODELS[_name] = replace(
         MODELS["early"], step=f"if (t > 0.495) {{ m->reached = {_reached}; return EARLY; }} " + EXPONENTIAL
     )
-# Is a number until half of the run.
-MODELS["vanishing"] = replace(DECAY, step=EXPONENTIAL + " if (t > 0.495) $x = 0.0 / 0.0;")
-# Is finite until half of the run.
-MODELS["growing"] = replace(DECAY, step=EXPONENTIAL + " if (t > 0.495) $x = 1.0 / 0.0;")
-# Takes 600 MB in its first step after half a second.
-MODELS["greedy"] = replace(
-    DECAY,
-    step=LIMITED
-    + '{ char *all = malloc(600000000); if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
-    "memset(all, 1, 600000000); free(all); } " + EXPONENTIAL,
-)
-# Diverges: Euler's steps of a tenth of a macro step, of what is 25 times too fast for them.
-MODELS["diverging"] = replace(DECAY, step="for (int i = 0; i < 10; i++) $x -= h / 10 * 5e4 * $k * $x;")
+# The decay with other steps.
+_STEPS = {
+    # Print in every step, to both streams; one crashes.
+    "printing": f'printf("at %g\\n", t); fprintf(stderr, "of %g\\n", h); {EXPONENTIAL}',
+    "printing_crash": 'printf("at %g\\n", t); ' + MODELS["crashing"].step,
+    # Is a number, and finite, until half of the run.
+    "vanishing": f"{EXPONENTIAL} {LIMITED}$x = 0.0 / 0.0;",
+    "growing": f"{EXPONENTIAL} {LIMITED}$x = 1.0 / 0.0;",
+    # Takes 600 MB in its first step after half a second.
+    "greedy": f"{LIMITED}{{ char *all = malloc(600000000); "
+    'if (!all) { say(m, ERROR, "no memory left"); return ERROR; } '
+    f"memset(all, 1, 600000000); free(all); }} {EXPONENTIAL}",
+    # Euler's steps of a tenth of a macro step, of what is 25 times too fast for them.
+    "diverging": "for (int i = 0; i < 10; i++) $x -= h / 10 * 5e4 * $k * $x;",
+    # Takes 2 ms for a step.
+    "slow": f"usleep(2000); {EXPONENTIAL}",
+    # Reads standard input in every step, and expects its end.
+    "listening": f"char byte; if (read(0, &byte, 1) != 0) return ERROR; {EXPONENTIAL}",
+    # Says why in a message with arguments, as FMI 2.0 has them.
+    "formatting": f'{LIMITED}{{ m->log->logger(m->environment, m->name, ERROR, "logStatus", '
+    '"the %s of %s burst at %g s, 100 %%", "boiler", m->name, t); return ERROR; } ' + EXPONENTIAL,
+    # Warn of every step after half a second, with a message and without.
+    "warning": f'{EXPONENTIAL} {LIMITED}{{ say(m, WARNING, "getting hot"); '
+    "m->reached = t + h; return WARNING; }",
+    "muttering": f"{EXPONENTIAL} {LIMITED}{{ m->reached = t + h; return WARNING; }}",
+    # Returns what is no status; goes on when its step has returned.
+    "unstepped": f"{EXPONENTIAL} return 7;",
+    "pending": f"{LIMITED}return 5; {EXPONENTIAL}",
+}
+MODELS |= {name: replace(DECAY, step=step) for name, step in _STEPS.items()}
 # Its output follows its input for the first 0.3 s only.
 MODELS["freezing"] = Model(
     (V("y", "output"), V("u", "input"), V("frozen")),
     "$frozen = t > 0.295;",
     "if (!$frozen) $y = 2 * $u;",
     depends={"y": ("u",)},
-)
-# Takes 0.2 ms for a step.
-MODELS["slow"] = replace(DECAY, step=f"usleep(2000); {EXPONENTIAL}")
-# Reads standard input in every step, and expects its end.
-MODELS["listening"] = replace(
-    DECAY, step="char byte; if (read(0, &byte, 1) != 0) return ERROR; " + EXPONENTIAL
 )
 # These give their rates by the standard's call only.
 MODELS["called"] = replace(
@@ -362,19 +366,6 @@ MODELS["called_vector"] = replace(
 MODELS["late"] = Model(
     (V("x", "output"), V("x0", "parameter", 0.5)), output="if (m->initialised) $x = $x0;", depends={"x": ()}
 )
-# Says why in a message with arguments, as FMI 2.0 has them.
-MODELS["formatting"] = Model(
-    DECAY.variables,
-    LIMITED
-    + '{ m->log->logger(m->environment, m->name, ERROR, "logStatus", "the %s of %s burst at %g s, 100 %%", '
-    f'"boiler", m->name, t); return ERROR; }} {EXPONENTIAL}',
-)
-# Warn of every step after half a second, with a message and without.
-for _name, _said in (("warning", 'say(m, WARNING, "getting hot"); '), ("muttering", "")):
-    MODELS[_name] = Model(
-        DECAY.variables,
-        f"{EXPONENTIAL} {LIMITED}{{ {_said}m->reached = t + h; return WARNING; }}",
-    )
 # Warns whenever it is read.
 MODELS["uneasy"] = replace(DECAY, reading="m->initialised ? WARNING : OK")
 # Warns at the end of its initialisation.
@@ -382,19 +373,14 @@ MODELS["starting"] = replace(DECAY, leaving="WARNING")
 # Return what is no status.
 MODELS["unreadable"] = replace(DECAY, reading="m->initialised ? -1 : OK")
 MODELS["unready"] = replace(DECAY, leaving='(say(m, ERROR, "not ready"), -1)')
-MODELS["unstepped"] = replace(DECAY, step=f"{EXPONENTIAL} return 7;")
 # Asks for the end of the simulation when it has come to a time.
 MODELS["landing"] = Model(
     (*DECAY.variables, V("until", "parameter", 0.51)),
     "double d = fmin(h, $until - t); $x *= exp(-$k * d); m->reached = t + d; "
     'if (t + h > $until - 1e-9) { say(m, OK, "has landed"); return ENDED; }',
 )
-# Goes on when its step has returned.
-MODELS["pending"] = Model(DECAY.variables, f"{LIMITED}return 5; {EXPONENTIAL}")
-# Ends its process when it is first looked at.
-MODELS["absent"] = Model(DECAY.variables, EXPONENTIAL, "exit(0);")
 # Cannot be looked at.
-MODELS["blind"] = Model(DECAY.variables, EXPONENTIAL, "raise(SIGSEGV);")
+MODELS["blind"] = replace(DECAY, output="raise(SIGSEGV);")
 MODELS["printing_first"] = replace(MODELS["blind"], output='printf("no licence\\n"); raise(SIGSEGV);')
 MODELS["rigid"] = Model(DECAY.variables, EXPONENTIAL, abilities="", variable_step=False)
 MODELS["single"] = Model(

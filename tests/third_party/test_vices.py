@@ -260,8 +260,6 @@ def test_one_that_hangs_is_ended(vice, tmp_path):
     assert summary.exit_status == 3
     assert "decay: the step from t = 0.5 s by 0.01 s did not return within 5 s" in summary.message
     assert len(found["time"]) == 51
-    with pytest.raises(ScenarioError, match=r"components\.decay\.process: 'shared' has no call_time_limit"):
-        ran(case(path, "shared", call_time_limit=5.0), tmp_path / "other")
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
@@ -312,10 +310,19 @@ def test_an_fmu_has_no_more_memory_than_it_is_given(limit, complete, tmp_path):
     assert complete or "no memory left" in summary.message
 
 
-def test_a_limit_of_memory_needs_a_process_of_its_own(tmp_path):
-    one = scenario({"one": {"participant": fmu("dahlquist", 2, tmp_path), "memory_limit_mb": 400}})
-    with pytest.raises(ScenarioError, match=r"memory_limit_mb: .* set components\.one\.process = 'own'"):
-        build_system(one)
+@pytest.mark.parametrize(
+    ("table", "limit", "said"),
+    [
+        ({"memory_limit_mb": 400}, None, "one.memory_limit_mb: "),
+        ({}, 5.0, "but one is in the run's; "),
+        # Not what we have built, unless it is alone.
+        ({"participant": "fmu", "component": "flywheel"}, 5.0, "but one is in the run's; "),
+    ],
+)
+def test_limits_need_a_process_of_its_own(table, limit, said, tmp_path):
+    first = {"participant": fmu("dahlquist", 2, tmp_path), **table}
+    with pytest.raises(ScenarioError, match=f"{said}.*set components\\.one\\.process = 'own'"):
+        build_system(scenario({"one": first}, call_time_limit=limit))
 
 
 @pytest.mark.skipif(temporary.fcntl is None, reason="needs locks of POSIX")
