@@ -130,9 +130,9 @@ class LoadedSpring(Role):
 
 class Adjuster(Role):
     """A hydraulic lash adjuster, with an oil, which flows out by a leak and in through a check valve.
-    Parameter: `plunger_diameter`."""
+    Parameter: `plunger_diameter`. Inputs: `lower_position`, `upper_position` of the bodies that it parts."""
 
-    outputs = ("pressure", "extension", "leak_flow", "valve_flow")
+    outputs = ("force", "pressure", "extension", "leak_flow", "valve_flow")
 
 
 class Bearing(Losing):

@@ -11,7 +11,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.words import tally
 
 from ..scenario.display import format_number
-from .lost_contact import find_lost
+from .lost_contact import LOST, ContactLaw, find_lost
 from .motion import NONE, Found, Part
 from .trains import find_rigid_lift
 
@@ -40,6 +40,13 @@ def _move(turn: Part, flow: str) -> float:
     """By how much a flow (m3/s) of this turn moves the plunger (m)."""
     area = 0.25 * math.pi * turn.parameter("plunger_diameter") ** 2
     return float(np.trapezoid(np.maximum(turn[flow], 0.0), turn.motion.times)) / area
+
+
+def _leave(part: Part) -> Found:
+    """The largest gap beyond the plunger: bodies that it does not load (`ContactLaw`) may be off it."""
+    beyond = part["upper_position"] - part["lower_position"] - part["extension"]
+    gap = Found.largest(np.where(ContactLaw().judge(part["force"], beyond) == LOST, beyond, 0.0))
+    return gap if gap.value > 0.0 else Found(0.0)
 
 
 def _find_valve(turn: Part) -> Part | None:
@@ -143,7 +150,14 @@ ADJUSTER: Mapping[str, tuple[Quantity, Callable[[Part], Found]]] = {
         LENGTH.of("largest length over that of the start"),
         lambda part: Found.largest(part["extension"]),
     ),
+    "largest_gap": (LENGTH.of("largest gap between plunger and bodies that leave it"), _leave),
+    "largest_gap_angle": (
+        Quantity("rad", "cam angle of the largest gap", display_unit="deg"),
+        lambda part: NONE if (row := _leave(part).row) is None else Found(part.angle[row] % (2.0 * math.pi)),
+    ),
 }
+# What a sentence on bodies that leave the plunger ends with.
+UNHELD = "no clip holds them, as one may in an engine"
 
 
 def describe_growth(growth: float, held_open: float) -> str:
@@ -179,6 +193,14 @@ def describe_over_speed(table: xarray.Dataset) -> list[str]:
             )
         elif np.isfinite(held).all():
             texts.append("the valve closes at all speeds")
+        gap, angle = (table[f"{name}.{figure}"].values for figure in ("largest_gap", "largest_gap_angle"))
+        if (parted := np.flatnonzero(gap > 0.0)).size:
+            widest = int(np.nanargmax(gap))
+            texts.append(
+                f"bodies leave its plunger at {tally(parted.size, 'speed')}, the lowest {rpm[parted[0]]:.0f} "
+                f"r/min, by at most {_write(gap[widest])} at {rpm[widest]:.0f} r/min and "
+                f"{math.degrees(angle[widest]):.1f} deg: {UNHELD}"
+            )
         if texts:
             said.append(f"{name}: {'; '.join(texts)}")
     return said

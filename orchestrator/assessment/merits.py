@@ -16,7 +16,7 @@ from models.core.words import tally
 
 from ..scenario.display import format_number, show
 from ..store import atomic_write
-from .adjusters import describe_growth
+from .adjusters import UNHELD, describe_growth
 from .contacts import ContactSummaries, ContactSummary
 from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
@@ -28,8 +28,6 @@ from .trains import Angle, Train, find_angle, find_drive_angle, find_trains, lis
 Read = Callable[[str], Vector]
 # So many trains are told one by one: of more those whose margin is least.
 SHOWN = 4
-# Figures that are the angles of others.
-PLACES = ("least_load_angle", "least_clearance_angle")
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
 AT_REST = SHARE.of("share of the time without load on the base circle and its ramps")
@@ -67,7 +65,8 @@ def list_merits(system: System, contacts: ContactSummaries, read: Read) -> list[
             quantity = found[part, figure].quantity if (part, figure) in found else quantity
             found[part, figure] = Merit(part, figure, value, quantity, time)
     order = list(system.instances)
-    known = [merit for merit in found.values() if np.isfinite(merit.value) and merit.figure not in PLACES]
+    # The angles of others are told with these.
+    known = [m for m in found.values() if np.isfinite(m.value) and not m.figure.endswith("_angle")]
     return sorted(known, key=lambda merit: order.index(merit.part))
 
 
@@ -175,6 +174,11 @@ def describe_adjusters(system: System, merits: Sequence[Merit], read: Read) -> l
             ]
         if "seat_force_kept" in own:
             said.append(f"the seat bears {own['seat_force_kept'].text} on the base circle")
+        if (gap := own.get("largest_gap")) and gap.time is not None:
+            said.append(
+                f"bodies leave its plunger by up to {gap.text} at {_find_place(system, gap, read)}, "
+                f"{_speed(find_drive_angle(system), gap.time, read)} r/min and t = {gap.time:.6g} s: {UNHELD}"
+            )
         told.append(f"{highest.part}: {'; '.join(said)}")
     if len(known) > SHOWN:
         told.append(

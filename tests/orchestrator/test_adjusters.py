@@ -7,7 +7,7 @@ import pytest
 import xarray
 
 from models.core import roles
-from orchestrator.assessment.adjusters import ADJUSTER, describe_growth, describe_over_speed
+from orchestrator.assessment.adjusters import ADJUSTER, UNHELD, describe_growth, describe_over_speed
 from orchestrator.assessment.merits import describe_adjusters, list_merits, read_motion
 from orchestrator.assessment.motion import Part
 from orchestrator.scenario.files import load
@@ -30,9 +30,11 @@ def read_columns(rows=slice(None), **changed):
     bump = np.where(LIFTS, np.sin(TURNED - 0.5 * np.pi), 0.0)
     columns = {
         "time": TIME,
+        "flywheel.angle": ANGLE,
         "tappet.profile_angle": ANGLE,
         "tappet.cam_lift": 8e-3 * bump,
         "adjuster.pressure": 9e6 * bump,
+        "adjuster.force": 20.0 + 600.0 * bump,
         "adjuster.extension": -15e-6 - 70e-6 * bump,
         "adjuster.leak_flow": np.where(LIFTS, LEAK, -1e-12),
         "adjuster.valve_flow": np.where(FILLS, 20.0 * LEAK, 0.0),
@@ -65,6 +67,7 @@ def test_extremes_stand_at_their_rows():
     assert found["shortening"].row > TIME.size // 2  # of the last turn
     assert (found["growth"].value, found["held_open"].value) == (pytest.approx(0.0, abs=1e-12), 0.0)
     assert found["seat_force_kept"].value == pytest.approx(310.0)
+    assert found["largest_gap"].value == 0.0
 
 
 def test_lift_and_timing_are_lost_by_what_the_adjuster_shortens():
@@ -117,10 +120,26 @@ def test_an_adjuster_that_pumps_up_is_told_by_its_growth_and_the_valve_it_holds_
     )
 
 
+def test_bodies_that_leave_the_plunger_are_told_with_gap_angle_speed_and_time():
+    """Where the adjuster has no force they may be further apart than it is long."""
+    apart = (1.2 * np.pi < TURNED) & (1.4 * np.pi > TURNED) & (2.0 * np.pi < ANGLE)
+    gap = np.where(apart, 0.3e-3 * np.sin(5.0 * (TURNED - 1.2 * np.pi)), 0.0)
+    length = -15e-6 - 70e-6 * np.where(LIFTS, np.sin(TURNED - 0.5 * np.pi), 0.0)
+    changed = {"adjuster__force": np.where(apart, 0.0, 400.0), "valve_spring__position": length + gap}
+    found = find(**changed)
+    assert found["largest_gap"].value == pytest.approx(0.3e-3, rel=1e-4)
+    assert np.degrees(found["largest_gap_angle"].value) == pytest.approx(234.0, abs=0.1)
+    read = read_columns(**changed)
+    (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
+    assert line.endswith(
+        f"; bodies leave its plunger by up to 300 µm at cam 234.0 deg, 1000 r/min and t = 0.099 s: {UNHELD}"
+    )
+
+
 def test_less_than_a_turn_tells_of_the_pressure_alone():
     part = Part(read_motion(SYSTEM, read_columns(slice(0, 3000))), "adjuster")
     known = {name for name, (_, figure) in ADJUSTER.items() if np.isfinite(figure(part).value)}
-    assert known == {"chamber_pressure", "largest_extension"}
+    assert known == {"chamber_pressure", "largest_extension", "largest_gap"}
     read = read_columns(slice(0, 3000))
     (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
     assert line == "adjuster: highest chamber pressure 9 MPa at cam 180.0 deg"
@@ -128,22 +147,27 @@ def test_less_than_a_turn_tells_of_the_pressure_alone():
 
 KEPT = "highest chamber pressure 10 MPa at 2000 r/min, largest leak in a turn 40 µm at 1000 r/min"
 OPEN = "pumped up, it holds the valve open at 2 speeds, the lowest 2000 r/min, by at most 2000 µm"
+AWAY = (
+    "bodies leave its plunger at 2 speeds, the lowest 2000 r/min, by at most 50 µm at 2000 r/min and 90.0 deg"
+    f": {UNHELD}"
+)
 
 
 @pytest.mark.parametrize(
-    ("lost", "held", "said"),
+    ("lost", "held", "gap", "said"),
     [
-        ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [f"a: {KEPT}; the valve closes at all speeds"]),
-        ([0.0, 0.0, 0.1], [0.0, 3e-6, 2e-3], [f"a: where contact is kept, {KEPT}; {OPEN}"]),
-        ([0.0, 0.0, 0.1], [np.nan, np.nan, np.nan], [f"a: where contact is kept, {KEPT}"]),  # no seat
-        ([0.1, 0.1, 0.1], [0.0, 3e-6, 2e-3], [f"a: {OPEN}"]),
-        ([0.1, 0.1, 0.1], [np.nan, np.nan, np.nan], []),
+        ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0.0, [f"a: {KEPT}; the valve closes at all speeds"]),
+        ([0.0, 0.0, 0.1], [0.0, 3e-6, 2e-3], 0.0, [f"a: where contact is kept, {KEPT}; {OPEN}"]),
+        ([0.0, 0.0, 0.1], [np.nan] * 3, 0.0, [f"a: where contact is kept, {KEPT}"]),  # no seat
+        ([0.1, 0.1, 0.1], [0.0, 3e-6, 2e-3], 5e-5, [f"a: {OPEN}; {AWAY}"]),
+        ([0.1, 0.1, 0.1], [np.nan] * 3, 0.0, []),
     ],
 )
-def test_a_sweep_tells_of_an_adjuster_where_contact_is_kept_and_where_its_valve_stays_open(lost, held, said):
+def test_a_sweep_tells_where_contact_is_kept_the_valve_stays_open_and_bodies_leave(lost, held, gap, said):
     """Where the valve floats, chamber pressures are those of impacts."""
     pressure = [9e6, 1e7, 2e8 if lost[-1] else 9e6]
     columns = {"a.chamber_pressure": pressure, "a.leak_down": [4e-5, 2e-5, 1e-5], "a.held_open": held}
+    columns |= {"a.largest_gap": [0.0, gap, 0.5 * gap], "a.largest_gap_angle": [np.nan, 0.5 * np.pi, 1.0]}
     table = xarray.Dataset(
         {name: ("speed", values) for name, values in (columns | {"contact.lost": lost}).items()},
         {"speed": np.array([1000.0, 2000.0, 3000.0]) * np.pi / 30.0},
@@ -155,3 +179,4 @@ def test_every_adjuster_promises_what_is_read_of_it():
     component = SYSTEM.instances["adjuster"].component
     assert set(component.find_role(roles.Adjuster).promised) <= set(component.outputs.names)
     assert "plunger_diameter" in component.parameters.names
+    assert {"lower_position", "upper_position"} <= set(component.inputs.names)

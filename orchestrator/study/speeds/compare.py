@@ -33,7 +33,7 @@ LEAST_IS_WORST = (
     "least_torque",
 )  # fmt: skip
 # Numbers that are neither good nor bad.
-LEFT_OUT = ("change", "periods", "least_load_angle")
+LEFT_OUT = ("change", "periods", "least_load_angle", "largest_gap_angle")
 
 
 @dataclass(frozen=True)
