@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from fmus.build import build
+from models.contact.films.groups import Conditions
 from models.core.quantities import Quantity
 from orchestrator.masters.acceleration import ACCELERATIONS
 from orchestrator.plots.data import FigureData
@@ -157,9 +158,9 @@ def test_the_recipe_of_a_mechanism_makes_a_follower_in_five_files(tmp_path: Path
 
 def test_the_example_of_a_film_has_the_exponents_that_it_states() -> None:
     film = run_example("def film(", "models.contact.films")["film"]
-    at = (500.0, 2.0, 0.03, 12e-3, 1e-11, 0.036, 1.8e-8)
-    assert film(at[0], 2.0 * at[1], *at[2:]) / film(*at) == pytest.approx(2.0 ** (8 / 11), rel=1e-12)
-    assert film(2.0 * at[0], *at[1:]) / film(*at) == pytest.approx(2.0 ** (-1 / 11), rel=1e-12)
+    at, faster = (Conditions(u, 0.03, 12e-3, 1e-11, 0.036, 1.8e-8) for u in (2.0, 4.0))
+    assert film(500.0, faster) / film(500.0, at) == pytest.approx(2.0 ** (8 / 11), rel=1e-12)
+    assert film(1000.0, at) / film(500.0, at) == pytest.approx(2.0 ** (-1 / 11), rel=1e-12)
 
 
 def test_the_example_of_a_master_is_of_second_order_with_linear_signals() -> None:

@@ -20,7 +20,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Quantity, Vector, layouts
 from .films import FILMS, film_by_number
-from .films.groups import groups
+from .films.groups import find_conditions, groups
 from .hertz import elastic_energy, load_and_deflection, maximum_pressure, pair_compliance
 from .inlet_heating import thermal_reduction
 from .mixed_lubrication import fill_surface_outputs, heat_contact
@@ -137,10 +137,7 @@ def contact(x: ContactState, u: ContactInputs, p: ContactParameters) -> Contact:
             maximum_pressure(film_load, u.radius_of_curvature, p.length, compliance), u.entraining_velocity,
             u.sliding_velocity, compliance, p.viscosity, p.temperature_viscosity, p.oil_conductivity,
         )  # fmt: skip
-    steady = left * film_by_number(
-        p.film_model, film_load, abs(u.entraining_velocity), u.radius_of_curvature, p.length, compliance,
-        p.viscosity, p.pressure_viscosity,
-    )  # fmt: skip
+    steady = left * film_by_number(p.film_model, film_load, find_conditions(u, compliance, p))
     film_rate = relaxation_rate(x.film_thickness, steady, u.entraining_velocity, p.squeeze_constant)
     delta_rate = u.approach_rate - u.retreat_rate + film_rate
     if p.load_is_given != 0.0:
@@ -165,7 +162,7 @@ def inside(value: float, low: float, high: float) -> float:
 @kernel
 def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y: ContactOutputs) -> None:
     c = contact(x, u, p)
-    radius, speed = u.radius_of_curvature, abs(u.entraining_velocity)
+    speed = abs(u.entraining_velocity)
     y.load = c.load
     y.film_thickness = c.film
     y.minimum_film_thickness = c.film
@@ -182,7 +179,8 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
         y.friction_force = hot.viscous + y.boundary_friction
     y.damping_margin = c.damping_margin
     y.separated = 1.0 if c.load <= 0.0 else 0.0
-    g = groups(math.pi / c.compliance, load, speed, radius, p.length, p.viscosity, p.pressure_viscosity)
+    at = find_conditions(u, c.compliance, p)
+    g = groups(math.pi / c.compliance, load, at)
     y.material_in_range = inside(g.material, G_LOW, G_HIGH)
     # At rest the squeeze ratio has no value: out of range.
     y.squeeze_in_range = inside(c.film_rate / speed, SQUEEZE_LOW, SQUEEZE_HIGH) if speed > 0.0 else 0.0
@@ -192,10 +190,7 @@ def output(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, y:
     heat = p.temperature_viscosity * p.viscosity * speed**2 / p.oil_conductivity if p.inlet_heating else 0.0
     y.rolling_friction = 0.0
     if p.film_model != FILM_IS_DRY:
-        y.rolling_friction = rolling_friction(
-            load, u.entraining_velocity, radius, p.length, c.compliance, p.viscosity, p.pressure_viscosity,
-            heat,
-        )  # fmt: skip
+        y.rolling_friction = rolling_friction(load, at, heat)
 
 
 @kernel

@@ -19,6 +19,7 @@ from ..core.component import Component
 from ..core.quantities import Layout, Quantity, join
 from ..core.requirements import require
 from .films import FILMS, moes_venner
+from .films.groups import find_conditions
 from .fluid import DENSITY_LAWS
 from .hertz import half_width, load_and_deflection, pair_compliance
 from .line.energies import make_field_energy
@@ -69,10 +70,7 @@ class KeptOilOutputs:
 @kernel
 def steady_film(hertz_load: float, compliance: float, u: ContactInputs, p: LineContactParameters) -> float:
     """The film (m) of Moes and Venner under a load (N)."""
-    return moes_venner.film(
-        max(hertz_load, p.film_load_floor), abs(u.entraining_velocity), u.radius_of_curvature, p.length,
-        compliance, p.viscosity, p.pressure_viscosity,
-    )  # fmt: skip
+    return moes_venner.film(max(hertz_load, p.film_load_floor), find_conditions(u, compliance, p))
 
 
 @kernel

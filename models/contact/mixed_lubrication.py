@@ -5,11 +5,12 @@ from typing import Any
 
 from ..compile.kernel import kernel
 from .asperities import Asperities
+from .films.groups import find_conditions
 from .fluid import DOWSON_HIGGINSON, build_lubricant
 from .friction import Traction, hertzian_friction
 from .heated_friction import Contact, HotFilm, Solid, build_cooling, heat_film
 from .hertz import half_width, maximum_pressure
-from .load_sharing import FilmFormula, share_load
+from .load_sharing import share_load
 from .rheology import Thermal
 
 
@@ -61,10 +62,8 @@ def fill_surface_outputs(
     radius, surfaces = u.radius_of_curvature, build_surfaces(p)
     y.half_width = half_width(load, radius, p.length, compliance)
     y.maximum_pressure = maximum_pressure(load, radius, p.length, compliance)
-    formula = FilmFormula(
-        film_model, u.entraining_velocity, radius, p.length, compliance, p.viscosity, p.pressure_viscosity
-    )
-    carried = share_load(load, film, 2.0 * y.half_width * p.length, surfaces, formula)
+    area, at = 2.0 * y.half_width * p.length, find_conditions(u, compliance, p)
+    carried = share_load(load, film, area, surfaces, film_model, at)
     # Friction does not depend on the density.
     friction = hertzian_friction(
         load, y.half_width, p.length, u.sliding_velocity, carried, build_lubricant(p, DOWSON_HIGGINSON),

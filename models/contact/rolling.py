@@ -13,21 +13,18 @@ surfaces lose F_R (u_1 + u_2) = 2 F_R u.
 import math
 
 from ..compile.kernel import kernel
-from .films.groups import groups
+from .films.groups import Conditions, groups
 
 
 @kernel
-def rolling_friction(
-    load: float, velocity: float, radius: float, length: float, compliance: float,
-    viscosity: float, pressure_viscosity: float, thermal_loading: float,
-) -> float:  # fmt: skip
+def rolling_friction(load: float, at: Conditions, thermal_loading: float) -> float:
     """F_R (N), with the sign of the entraining velocity u; 0 without load. Isothermal at L_T = 0."""
-    if load <= 0.0 or velocity == 0.0:
+    if load <= 0.0 or at.velocity == 0.0:
         return 0.0
-    g = groups(2.0 / compliance, load, abs(velocity), radius, length, viscosity, pressure_viscosity)
+    g = groups(2.0 / at.compliance, load, at)
     inlet = g.material * g.speed
-    force = 4.318 * radius * length / pressure_viscosity * inlet**0.658 * g.load**0.0126
+    force = 4.318 * at.radius * at.length / at.pressure_viscosity * inlet**0.658 * g.load**0.0126
     if thermal_loading > 0.0:
         force *= (11.81 * inlet / g.load**1.5) ** (0.0106 * thermal_loading**0.317)
         force /= 1.0 + 0.411 * thermal_loading**0.707
-    return math.copysign(force, velocity)
+    return math.copysign(force, at.velocity)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.ehl_contact import TABLE_3, ContactParameters
 from models.contact.films import FILMS
-from models.contact.films.groups import groups
+from models.contact.films.groups import Conditions, groups
 from models.contact.fluid import Lubricant
 from models.contact.hertz import pair_compliance
 
@@ -44,8 +44,8 @@ class Formula:
         compliance: float,
         fluid: Lubricant | ContactParameters,
     ) -> float:
-        dimensions = (radius, length, compliance, fluid.viscosity, fluid.pressure_viscosity)
-        return float(FILMS[self.name](load, abs(velocity), *dimensions))
+        at = Conditions(velocity, radius, length, compliance, fluid.viscosity, fluid.pressure_viscosity)
+        return float(FILMS[self.name](load, at))
 
 
 def compute_asymptotes(M: float, L: float) -> dict[str, float]:
@@ -75,11 +75,9 @@ def is_elastic_piezoviscous(contact: LineContact) -> bool:
 
 def is_in_table_3(contact: LineContact) -> bool:
     """Whether G, W and U are inside Kushwaha's Table 3, without squeeze."""
-    fluid = contact.lubricant
-    g = groups(
-        math.pi / contact.compliance, contact.load, abs(contact.velocity), contact.radius,
-        contact.length, fluid.viscosity, fluid.pressure_viscosity,
-    )  # fmt: skip
+    c, fluid = contact, contact.lubricant
+    at = Conditions(c.velocity, c.radius, c.length, c.compliance, fluid.viscosity, fluid.pressure_viscosity)
+    g = groups(math.pi / c.compliance, c.load, at)
     values = {"material": g.material, "load": g.load, "speed": g.speed}
     return all(TABLE_3[name][0] <= value <= TABLE_3[name][1] for name, value in values.items())
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import wrightomega
 
 from models.contact.films import FILMS
-from models.contact.films.groups import groups
+from models.contact.films.groups import Conditions, groups
 from models.contact.hertz import pair_compliance
 from models.core.quantities import Vector
 
@@ -32,9 +32,8 @@ FIRST_INCREASE = 1.05
 
 def _compute_film(runs: Runs, name: str, load: float, speed: float, radius: float) -> float:
     p = runs.parameters("contact")
-    return float(
-        FILMS[name](load, speed, radius, p.length, pair_compliance(p), p.viscosity, p.pressure_viscosity)
-    )
+    at = Conditions(speed, radius, p.length, pair_compliance(p), p.viscosity, p.pressure_viscosity)
+    return float(FILMS[name](load, at))
 
 
 def _compute_similarity_sum(runs: Runs, name: str) -> float:
@@ -42,7 +41,10 @@ def _compute_similarity_sum(runs: Runs, name: str) -> float:
     load, radius, length, sigma = find_nose_contact(runs)
     p = runs.parameters("contact")
     one, two = (
-        FILMS[name](load * f**0.5, f, radius, length, sigma, p.viscosity, p.pressure_viscosity * f**-0.25)
+        FILMS[name](
+            load * f**0.5,
+            Conditions(f, radius, length, sigma, p.viscosity, p.pressure_viscosity * f**-0.25),
+        )
         for f in (1.0, math.e)
     )
     return math.log(two / one)
@@ -91,10 +93,11 @@ def check_table_3(runs: Runs) -> Values:
     u = np.abs(cycle["camshaft.entraining_velocity"])
     ratio = cycle.squeeze[u > 1e-9] / u[u > 1e-9]
     modulus = math.pi / pair_compliance(p)
+    at = Conditions(1.0, 1.0, p.length, pair_compliance(p), p.viscosity, p.pressure_viscosity)
     return {
         "each": [f"{name} {100.0 * float(np.mean(flags[:-1])):.0f} %" for name, flags in inside.items()],
         "together": float(np.mean(np.prod(list(inside.values()), axis=0)[:-1])),
-        "G": groups(modulus, 1.0, 1.0, 1.0, p.length, p.viscosity, p.pressure_viscosity).material,
+        "G": groups(modulus, 1.0, at).material,
         "ratio_low": ratio.min(), "ratio_high": ratio.max(),
     }  # fmt: skip
 

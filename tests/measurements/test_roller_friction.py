@@ -9,6 +9,7 @@ from models.catalogue import CATALOGUE
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.analysis.line.steady import solve_steady
 from models.contact.films import FILMS
+from models.contact.films.groups import Conditions
 from models.contact.fluid import BARUS, Lubricant
 from models.contact.hertz import elastic_compliance
 from models.contact.inlet_heating import thermal_reduction
@@ -105,7 +106,8 @@ def test_a_film_resists_rolling_as_solved_elsewhere(published) -> None:
 @pytest.mark.plain
 def test_rolling_friction_grows_less_with_the_load_than_measured(published) -> None:
     """Two discs of 100 mm, 2 to 6 m/s; the exponents of two other laboratories span the band."""
-    light, heavy = (rolling_friction(w, 4.0, 0.025, 1.0, STEEL, 0.035, 2e-8, 0.0) for w in (0.13e6, 0.9e6))
+    at = Conditions(4.0, 0.025, 1.0, STEEL, 0.035, 2e-8)
+    light, heavy = (rolling_friction(w, at, 0.0) for w in (0.13e6, 0.9e6))
     case = Published(
         "Friction and wear", "rolling friction of two discs: exponent of the load",
         "0.13 to 0.9 MN/m (0.45 to 1.2 GPa), discs of 100 mm; here at 4 m/s, 35 mPa s", MEASURED, 0.2, 0.3,

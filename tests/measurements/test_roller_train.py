@@ -10,6 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from models.catalogue import CATALOGUE
+from models.contact.films.groups import Conditions
 from models.contact.hertz import elastic_compliance
 from models.contact.oil_grades import GRADES
 from models.contact.oils import ZERO_CELSIUS, density, evaluate_oil
@@ -48,10 +49,8 @@ def roll(speed_rpm, celsius, pin):
         bent = show(angle + 1e-3)["cam_lift"] - 2.0 * lift + show(angle - 1e-3)["cam_lift"]
         load = PUSHROD.preload + PUSHROD.rate * lift + PUSHROD.mass * bent / 1e-6 * speed**2
         load /= math.cos(cam["pressure_angle"])
-        drag = rolling_friction(
-            load, cam["entraining_velocity"], cam["radius_of_curvature"], LENGTH, STEEL, oil.viscosity,
-            oil.pressure_viscosity, 0.0,
-        )  # fmt: skip
+        at = (cam["entraining_velocity"], cam["radius_of_curvature"], LENGTH, STEEL)
+        drag = rolling_friction(load, Conditions(*at, oil.viscosity, oil.pressure_viscosity), 0.0)
         force = pin(surface / ROLLER, load, celsius) / ROLLER
         power = drag * 2.0 * cam["entraining_velocity"] + force * surface
         rows.append((angle, power / speed, force + drag))

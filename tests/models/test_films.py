@@ -12,6 +12,7 @@ from scipy.special import lambertw
 from models.catalogue import CATALOGUE
 from models.contact.ehl_contact import relaxation_rate
 from models.contact.films import FILMS, film_by_number
+from models.contact.films.groups import Conditions
 from models.contact.films.moes_venner import moes_film
 from models.contact.hertz import elastic_compliance
 
@@ -21,7 +22,6 @@ pytestmark = pytest.mark.plain
 
 C = 96.775
 AT = {
-    "load": 500.0,
     "velocity": 2.0,
     "radius": 0.03,
     "length": 12e-3,
@@ -31,8 +31,8 @@ AT = {
 }
 
 
-def film(name, **changed):
-    return FILMS[name](*{**AT, **changed}.values())
+def film(name, load=500.0, **changed):
+    return FILMS[name](load, Conditions(**{**AT, **changed}))
 
 
 @pytest.mark.parametrize("name", FILMS)
@@ -52,7 +52,7 @@ def test_the_numbers_of_shipped_formulas_stay():
 
 def test_numbers_choose_the_formulas():
     for number, name in enumerate(FILMS):
-        assert film_by_number(float(number), *AT.values()) == film(name)
+        assert film_by_number(float(number), 500.0, Conditions(**AT)) == film(name)
 
 
 def test_moes_asymptotes(record):
@@ -160,7 +160,7 @@ def test_films_have_the_constants_of_their_sources(name, factor, speed, material
     """h/R = factor U^speed G^material W^loaded with E = modulus/compliance."""
     a, E = AT, modulus / AT["compliance"]
     U = a["viscosity"] * a["velocity"] / (E * a["radius"])
-    W = a["load"] / (E * a["radius"] * a["length"])
+    W = 500.0 / (E * a["radius"] * a["length"])
     expected = factor * a["radius"] * U**speed * (a["pressure_viscosity"] * E) ** material * W**loaded
     assert film(name) == pytest.approx(expected, rel=1e-12)
 

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from models.catalogue import CATALOGUE
 from models.contact.asperities import Asperities, asperity_pressure, find_separation, real_area_share
 from models.contact.films import FILMS
+from models.contact.films.groups import Conditions
 from models.contact.fluid import Lubricant, viscosity_at
 from models.contact.friction import (
     Traction,
@@ -19,7 +20,7 @@ from models.contact.friction import (
     viscous_friction,
 )
 from models.contact.hertz import elastic_compliance, half_width, maximum_pressure
-from models.contact.load_sharing import FilmFormula, formula_film, share_load
+from models.contact.load_sharing import formula_film, share_load
 
 from .systems import outputs_of
 
@@ -43,10 +44,10 @@ some_or_no_load = st.one_of(st.just(0.0), st.floats(1e-6, 1e4))
 wet = st.sampled_from([name for name in FILMS if name != "dry"])
 
 
-def formula(name: str, velocity: float) -> FilmFormula:
-    return FilmFormula(
-        float(list(FILMS).index(name)), velocity, RADIUS, LENGTH, STEEL, OIL.viscosity, OIL.pressure_viscosity
-    )
+def formula(name: str, velocity: float) -> tuple[float, Conditions]:
+    """The formula's number, and what it is asked at."""
+    at = Conditions(velocity, RADIUS, LENGTH, STEEL, OIL.viscosity, OIL.pressure_viscosity)
+    return float(list(FILMS).index(name)), at
 
 
 def area(load: float) -> float:
@@ -54,8 +55,8 @@ def area(load: float) -> float:
 
 
 def steady(load: float, name: str, velocity: float):
-    f = formula(name, velocity)
-    return share_load(load, formula_film(load, f), area(load), SURFACES, f)
+    number, at = formula(name, velocity)
+    return share_load(load, formula_film(number, load, at), area(load), SURFACES, number, at)
 
 
 @given(loads, speeds, wet)
@@ -71,24 +72,25 @@ def test_film_and_asperities_carry_the_load(load, velocity, name):
     fluid = load - found.asperity_load
     if name != "kushwaha" and fluid > 1e-6 * load:
         # The fluid's share cancels up to six digits of a double.
-        assert found.film == pytest.approx(formula_film(fluid, formula(name, velocity)), rel=1e-9)
+        number, at = formula(name, velocity)
+        assert found.film == pytest.approx(formula_film(number, fluid, at), rel=1e-9)
 
 
 @given(loads, st.floats(1e-7, 1e-5), wet)
 def test_at_rest_asperities_carry_all_and_under_thick_films_nothing(load, thick, name):
     f = formula(name, 0.0)
-    rest = share_load(load, 0.0, area(load), SURFACES, f)
+    rest = share_load(load, 0.0, area(load), SURFACES, *f)
     assert rest.asperity_load == load
     assert rest.film == 0.0
     # Formulas without a limit for a load of zero leave at most a share of 1e-4 at 1e-12 m/s.
-    assert share_load(load, 1e-12, area(load), SURFACES, f).asperity_load == pytest.approx(load, rel=1e-3)
-    assert share_load(load, 8.0 * SURFACES.roughness + thick, area(load), SURFACES, f).asperity_load == 0.0
+    assert share_load(load, 1e-12, area(load), SURFACES, *f).asperity_load == pytest.approx(load, rel=1e-3)
+    assert share_load(load, 8.0 * SURFACES.roughness + thick, area(load), SURFACES, *f).asperity_load == 0.0
 
 
 @given(loads, films, st.floats(1.001, 3.0), wet)
 def test_a_thicker_film_leaves_less_to_asperities(load, film, factor, name):
     f = formula(name, 1.0)
-    thin, thick = (share_load(load, h, area(load), SURFACES, f) for h in (film, factor * film))
+    thin, thick = (share_load(load, h, area(load), SURFACES, *f) for h in (film, factor * film))
     # Rounding of the search: far below the roughness, a film's pressure hardly says how thick it is.
     assert thick.asperity_load <= thin.asperity_load * (1.0 + 1e-10)
     assert thick.film >= thin.film * (1.0 - 1e-8)

@@ -13,6 +13,7 @@ from models.catalogue import CATALOGUE
 from models.contact.analysis.bearing.steady import solve_steady as solve_bearing
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.analysis.line.steady import solve_steady as solve_film
+from models.contact.films.groups import Conditions
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
 from models.contact.oil_grades import GRADES
@@ -205,7 +206,7 @@ def test_rolling_friction_is_that_of_a_solved_film(load, velocity, radius, visco
     length, alpha = 12e-3, 1.8e-8
     film = solve_film(LineContact(load, velocity, radius, length, STEEL, Lubricant(viscosity, alpha)))
     solved = length * float(np.sum(0.25 * (film.film[1:] + film.film[:-1]) * np.diff(film.pressure)))
-    found = rolling_friction(load, velocity, radius, length, STEEL, viscosity, alpha, 0.0)
+    found = rolling_friction(load, Conditions(velocity, radius, length, STEEL, viscosity, alpha), 0.0)
     name = f"rolling friction at {load:g} N, {velocity:g} m/s, {1e3 * radius:g} mm (N)"
     record("Contact", name, found, solved, "solved film", relative=0.2)
 
@@ -213,7 +214,7 @@ def test_rolling_friction_is_that_of_a_solved_film(load, velocity, radius, visco
 @pytest.mark.plain
 def test_rolling_friction_hardly_knows_the_load_and_falls_with_heat():
     def at(load=600.0, velocity=5.0, heat=0.0):
-        return rolling_friction(load, velocity, 6e-3, 12e-3, STEEL, 9e-3, 1.6e-8, heat)
+        return rolling_friction(load, Conditions(velocity, 6e-3, 12e-3, STEEL, 9e-3, 1.6e-8), heat)
 
     assert at(1200.0) == pytest.approx(at() * 2.0**0.0126, rel=1e-12)
     assert at(velocity=-5.0) == -at()

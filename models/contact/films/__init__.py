@@ -1,20 +1,18 @@
 """Film thickness formulas for line contacts. To add one: a file with `film` (a kernel), listed here.
 
-Each kernel is film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity) -> m, for a
-positive load and reduced radius and an entraining speed from zero on. A film is finite and not negative.
+Each kernel is film(load, at) -> m, for a positive load and any entraining velocity, of which the size counts.
+A film is finite and not negative.
 """
 
 from typing import Any
 
 from ...compile.kernel import kernel
 from . import kushwaha, moes_venner, power_laws
+from .groups import Conditions
 
 
 @kernel
-def no_film(
-    load: float, velocity: float, radius: float, length: float, compliance: float,
-    viscosity: float, pressure_viscosity: float,
-) -> float:  # fmt: skip
+def no_film(load: float, at: Conditions) -> float:
     """h = 0: a dry Hertzian contact."""
     return 0.0
 
@@ -38,22 +36,16 @@ GROWING = "kushwaha"
 
 def _choose(number: int, film: Any, others: Any) -> Any:
     @kernel
-    def selected_film(
-        model: float, load: float, velocity: float, radius: float, length: float, compliance: float,
-        viscosity: float, pressure_viscosity: float,
-    ) -> float:  # fmt: skip
+    def selected_film(model: float, load: float, at: Conditions) -> float:
         if model == number:
-            return film(load, velocity, radius, length, compliance, viscosity, pressure_viscosity)
-        return others(model, load, velocity, radius, length, compliance, viscosity, pressure_viscosity)
+            return film(load, at)
+        return others(model, load, at)
 
     return selected_film
 
 
 @kernel
-def _unknown(
-    model: float, load: float, velocity: float, radius: float, length: float, compliance: float,
-    viscosity: float, pressure_viscosity: float,
-) -> float:  # fmt: skip
+def _unknown(model: float, load: float, at: Conditions) -> float:
     return 0.0
 
 
@@ -64,5 +56,5 @@ def _film_by_number() -> Any:
     return film
 
 
-# film_by_number(model, load, velocity, radius, length, compliance, viscosity, pressure_viscosity) -> m
+# film_by_number(model, load, at) -> m
 film_by_number = _film_by_number()

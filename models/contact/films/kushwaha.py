@@ -8,19 +8,16 @@ import math
 from typing import Any
 
 from ...compile.kernel import kernel
-from .groups import groups
+from .groups import Conditions, groups
 
 
 def regression(load_power: float) -> Any:
     """The kernel of h = 1.67 R W^load_power U^0.541 G^0.421 (m)."""
 
     @kernel
-    def film(
-        load: float, velocity: float, radius: float, length: float, compliance: float,
-        viscosity: float, pressure_viscosity: float,
-    ) -> float:  # fmt: skip
-        g = groups(math.pi / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
-        return 1.67 * radius * g.load**load_power * g.speed**0.541 * g.material**0.421
+    def film(load: float, at: Conditions) -> float:
+        g = groups(math.pi / at.compliance, load, at)
+        return 1.67 * at.radius * g.load**load_power * g.speed**0.541 * g.material**0.421
 
     return film
 

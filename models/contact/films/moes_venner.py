@@ -3,7 +3,7 @@
 import math
 
 from ...compile.kernel import kernel
-from .groups import groups
+from .groups import Conditions, groups
 
 
 @kernel
@@ -22,13 +22,10 @@ def moes_film(M: float, L: float) -> float:
 
 
 @kernel
-def film(
-    load: float, velocity: float, radius: float, length: float, compliance: float,
-    viscosity: float, pressure_viscosity: float,
-) -> float:  # fmt: skip
+def film(load: float, at: Conditions) -> float:
     """h = R H(M, L) U_S^1/2 with U_S = 2 U, M = W U_S^-1/2, L = G U_S^1/4, E' = 2 / compliance; 0 at rest."""
-    g = groups(2.0 / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
+    g = groups(2.0 / at.compliance, load, at)
     u_sum = 2.0 * g.speed
     if u_sum == 0.0:
         return 0.0
-    return radius * math.sqrt(u_sum) * moes_film(g.load / math.sqrt(u_sum), g.material * u_sum**0.25)
+    return at.radius * math.sqrt(u_sum) * moes_film(g.load / math.sqrt(u_sum), g.material * u_sum**0.25)

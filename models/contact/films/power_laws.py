@@ -3,19 +3,16 @@
 from typing import Any
 
 from ...compile.kernel import kernel
-from .groups import groups
+from .groups import Conditions, groups
 
 
 def power_law(factor: float, material: float, speed: float, load_power: float) -> Any:
     """The kernel of that film (m)."""
 
     @kernel
-    def film(
-        load: float, velocity: float, radius: float, length: float, compliance: float,
-        viscosity: float, pressure_viscosity: float,
-    ) -> float:  # fmt: skip
-        g = groups(2.0 / compliance, load, velocity, radius, length, viscosity, pressure_viscosity)
-        return factor * radius * g.material**material * g.speed**speed * g.load**load_power
+    def film(load: float, at: Conditions) -> float:
+        g = groups(2.0 / at.compliance, load, at)
+        return factor * at.radius * g.material**material * g.speed**speed * g.load**load_power
 
     return film
 

@@ -10,7 +10,7 @@ import numpy as np
 from models.compile.array_pointers import ArrayPointers
 from models.contact.ehl_contact import TABLE_3
 from models.contact.films import FILMS, GROWING
-from models.contact.films.groups import groups
+from models.contact.films.groups import Conditions, groups
 from models.contact.hertz import elastic_compliance
 from models.core import roles
 from models.core.quantities import Vector
@@ -220,7 +220,8 @@ def _scales(p: Mapping[str, float]) -> list[float]:
         p["youngs_modulus_1"], p["poissons_ratio_1"], p["youngs_modulus_2"], p["poissons_ratio_2"]
     )
     plain = getattr(groups, "py_func", groups)  # not compiled for this one call
-    unit = plain(np.pi / compliance, 1.0, 1.0, 1.0, p["length"], p["viscosity"], p["pressure_viscosity"])
+    at = Conditions(1.0, 1.0, p["length"], compliance, p["viscosity"], p["pressure_viscosity"])
+    unit = plain(np.pi / compliance, 1.0, at)
     return [p["elastic_limit"], unit.material, unit.load, unit.speed]
 
 

@@ -7,7 +7,7 @@ from numbers import Real
 from typing import Any
 
 from ...asperities import Asperities
-from ...films.groups import Groups, groups
+from ...films.groups import Conditions, Groups, groups
 from ...fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
 from ...hertz import ELASTIC_LIMIT, half_width, maximum_pressure
 
@@ -124,10 +124,10 @@ class LineContact:
     def _groups(self) -> Groups:
         constant = VISCOSITY_LAWS[int(self.lubricant.viscosity_law)] == "constant"
         alpha = 0.0 if constant else self.lubricant.pressure_viscosity
-        return groups(
-            2.0 / self.compliance, self.load, abs(self.velocity), self.radius, self.length,
-            self.lubricant.viscosity, alpha,
-        )  # fmt: skip
+        at = Conditions(
+            self.velocity, self.radius, self.length, self.compliance, self.lubricant.viscosity, alpha
+        )
+        return groups(2.0 / self.compliance, self.load, at)
 
 
 def _numbers_of(part: LineContact | Lubricant | Asperities | None) -> Iterator[tuple[str, Any]]:

@@ -13,6 +13,7 @@ from models.contact.analysis.line.line_contact import LineContact
 from models.contact.analysis.line.steady import SteadyFilm, solve_steady
 from models.contact.asperities import Asperities, asperity_pressure, find_separation, mean_gap, pressure_scale
 from models.contact.films import FILMS
+from models.contact.films.groups import Conditions
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance, half_width
 from models.contact.line.grid import node_positions
@@ -27,7 +28,7 @@ from models.contact.line.mixed import (
 )
 from models.contact.line.newton import deflection_factors
 from models.contact.line.reynolds import Flow, balance, properties
-from models.contact.load_sharing import FilmFormula, formula_film, share_load
+from models.contact.load_sharing import formula_film, share_load
 from models.core.integrator import OK
 from models.core.quantities import Vector
 
@@ -275,12 +276,12 @@ def test_sharing_by_a_formula_is_near_that_of_the_solved_film(velocity, rough):
     """Johnson, Greenwood and Poon's spreads asperities evenly over Hertz's area. Coarse ones touch on a wider
     area, and bear up to 0.15 of the load more; of fine ones edges press less, and they bear up to 0.08 less.
     """
-    moes = FilmFormula(
-        float(list(FILMS).index("moes_venner")), velocity, RADIUS, LENGTH, STEEL, OIL.viscosity,
-        OIL.pressure_viscosity,
-    )  # fmt: skip
-    area = 2.0 * half_width(LOAD, RADIUS, LENGTH, STEEL) * LENGTH
-    model = share_load(LOAD, formula_film(LOAD, moes), area, rough, moes)
+    number, area = (
+        float(list(FILMS).index("moes_venner")),
+        2.0 * half_width(LOAD, RADIUS, LENGTH, STEEL) * LENGTH,
+    )
+    at = Conditions(velocity, RADIUS, LENGTH, STEEL, OIL.viscosity, OIL.pressure_viscosity)
+    model = share_load(LOAD, formula_film(number, LOAD, at), area, rough, number, at)
     film = steady(velocity, rough)
     more = (film.asperity_load - model.asperity_load) / LOAD
     assert (0.0 if rough == COARSE else -0.08) < more < (0.15 if rough == COARSE else 0.0)
