@@ -17,6 +17,8 @@ SPEED = Plausible(
     0.0, 300.0 * math.pi, (("rpm", math.pi / 30.0),), "engines of production cars turn at 9000 rpm at most"
 )
 ANGLE = Plausible(0.0, 4.0 * math.pi, _ANGLE, "a four-stroke cycle has 720 deg")
+TURN = Plausible(0.0, 2.0 * math.pi, _ANGLE, "a turn has 360 deg")
+GROOVE = Plausible(0.0, 0.5 * math.pi, _ANGLE, "grooves of bearings are narrower than 90 deg")
 LEVER_ANGLE = Plausible(0.0, 0.5 * math.pi, _ANGLE, "levers rest within 90 deg of the level")
 RAMP = Plausible(1e-6, 10.0, (("ms", 1e-3),), "runs of these models last some seconds at most")
 

@@ -4,6 +4,7 @@ A role promises variables and parameters of the component; a field of a role nam
 component's own. `Component` checks the outputs that its roles promise.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, TypeVar
@@ -136,11 +137,15 @@ class Adjuster(Role):
 
 
 class Bearing(Losing):
-    """A bearing with a film, and an oil. Films are known up to the eccentricity `near` (of the clearance)."""
+    """A bearing with a film, and an oil. Films are known up to the eccentricity `near` (of the clearance).
+
+    Grooves nearer to the load than `load_zone` (rad) thin the film by 10 % or more.
+    """
 
     friction = "friction_torque"
 
     near: ClassVar[float] = 0.95
+    load_zone: ClassVar[float] = 0.25 * math.pi
 
     outputs = (
         "load", "minimum_film_thickness", "film_ratio", "eccentricity_ratio", "maximum_pressure",

@@ -17,7 +17,7 @@ import math
 from dataclasses import dataclass
 from typing import Annotated, Any, NamedTuple
 
-from .. import kinds
+from .. import kinds, plausible
 from ..compile.kernel import kernel
 from ..contact.asperities import APART, Asperities, mean_gap
 from ..contact.asperity_arc import Arc, AsperityForce, press_arc
@@ -63,8 +63,12 @@ class PlainBearingParameters:
         FINITE,
         choices=("short", "finite", "grooved"),
     )
-    groove_angle: float = kinds.ANGLE("from x to the middle of a groove; the other one is opposite")
-    groove_width: float = kinds.ANGLE("width of each groove", math.radians(20.0), positive=True)
+    groove_angle: float = kinds.ANGLE(
+        "from x to the middle of a groove; the other one is opposite", plausible=plausible.TURN
+    )
+    groove_width: float = kinds.ANGLE(
+        "width of each groove", math.radians(20.0), positive=True, plausible=plausible.GROOVE
+    )
     roughness: float = kinds.PLACE(
         "composite rms roughness", 0.4e-6, nominal=1e-7, positive=True, display_unit="um"
     )
@@ -281,11 +285,14 @@ def is_inside(x: Any, u: Any, p: PlainBearingParameters, numbers: Vector) -> boo
     return x.eccentricity_x**2 + x.eccentricity_y**2 < farthest**2
 
 
-@require("groove_width = {0:g} deg: must be at least {1:g} and less than {2:g} deg")
+@require(
+    "groove_width = {0:g} rad ({1:g} deg): must be at least {2:g} and less than {3:g} deg for film_model = "
+    "grooved"
+)
 def has_pads(p: PlainBearingParameters, numbers: Vector) -> bool:
-    numbers[0] = math.degrees(p.groove_width)
-    numbers[1], numbers[2] = math.degrees(NARROWEST_GROOVE), math.degrees(WIDEST_GROOVE)
-    return NARROWEST_GROOVE <= p.groove_width < WIDEST_GROOVE
+    numbers[0], numbers[1] = p.groove_width, math.degrees(p.groove_width)
+    numbers[2], numbers[3] = math.degrees(NARROWEST_GROOVE), math.degrees(WIDEST_GROOVE)
+    return p.film_model != GROOVED or NARROWEST_GROOVE <= p.groove_width < WIDEST_GROOVE
 
 
 @require("width = {0:g} mm: must be >= {1:g} mm, a tenth of the diameter, for film_model = grooved")

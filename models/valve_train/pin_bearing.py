@@ -25,6 +25,7 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..core.requirements import require
+from ..plausible import TURN
 from . import journal_bearing as journal
 from .journal_bearing import REQUIREMENTS, Film, Place, PlainBearingParameters
 from .pivot_friction import RelaxationTime, TwistStiffness
@@ -39,7 +40,7 @@ class Parameters(PlainBearingParameters):
     width: float = kinds.WIDTH("width of the bearing", 8e-3)
     radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the pin", 15e-6)
     groove_angle: float = kinds.ANGLE(
-        "from x to the middle of a groove; the other one is opposite", 0.5 * math.pi
+        "from x to the middle of a groove; the other one is opposite", 0.5 * math.pi, plausible=TURN
     )
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5

@@ -15,6 +15,7 @@ from models.core.quantities import Quantity
 from models.valve_train.wire_materials import Fatigue
 
 from .adjusters import ADJUSTER
+from .grooves import find_load_from_groove
 from .motion import NONE, Found, Motion, Part
 from .trains import LIFTED
 
@@ -346,6 +347,10 @@ BEARING: Mapping[str, Figure] = {
         _largest("eccentricity_ratio"),
     ),
     "peak_pressure": (PRESSURE.of("highest pressure of the film"), _largest("maximum_pressure")),
+    "load_from_groove": (
+        Quantity("rad", "from the nearest groove's middle to the load at the least film", display_unit="deg"),
+        find_load_from_groove,
+    ),
     **LOSS,
 }
 # By the role of the part.

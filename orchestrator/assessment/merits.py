@@ -21,6 +21,7 @@ from .contacts import ContactSummaries, ContactSummary
 from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
 from .friction.shares import describe_torque, sum_losses
+from .grooves import describe_groove
 from .motion import Motion
 from .trains import Angle, Train, find_angle, find_drive_angle, find_trains, list_parts
 
@@ -147,9 +148,10 @@ def describe_bearings(system: System, merits: Sequence[Merit], read: Read) -> li
         text = f"{name}: least film {film.text} at {_find_place(system, film, read)} under {load:.3g} N"
         text += f", largest eccentricity {far.text} of the clearance"
         doubt = f", above {near:g}: roughness, bending and heat change its film by more than 1 %"
-        told.append(
-            f"{text}{doubt * (far.value > near)}; highest pressure {found[name, 'peak_pressure'].text}"
-        )
+        text += f"{doubt * (far.value > near)}; highest pressure {found[name, 'peak_pressure'].text}"
+        if away := found.get((name, "load_from_groove")):
+            text += describe_groove(system.instances[name], away.value)
+        told.append(text)
     return told
 
 

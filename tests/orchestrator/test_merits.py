@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace
@@ -166,6 +167,32 @@ def test_films_of_bearings_are_told_and_doubted_near_the_bush():
 
 
 @pytest.mark.parametrize(
+    ("name", "model", "degrees", "said"),
+    [
+        ("journal_bearing", "grooved", 100.0, "10 deg beside .* '0 deg'"),
+        ("journal_bearing", "grooved", -46.0, "44 deg beside .* '0 deg'"),
+        ("journal_bearing", "grooved", -44.0, ""),
+        ("journal_bearing", "finite", 100.0, ""),
+        ("pin_bearing", "grooved", 11.0, "11 deg beside .* '90 deg'"),
+        ("pin_bearing", "grooved", 90.0, ""),
+    ],
+)
+def test_a_groove_in_the_load_zone_is_told_with_what_to_change(name, model, degrees, said):
+    """The journal's load points along -y, the pin's along x; one groove is opposite to the other."""
+    films = ("short", "finite", "grooved")
+    parameters = {"film_model": float(films.index(model)), "groove_angle": math.radians(degrees)}
+    system, rows = System({"bearing": Instance(CATALOGUE[name](), parameters)}, []), np.arange(3.0)
+    columns = {"bearing.force_y": 400.0 + 0.0 * rows, "bearing.minimum_film_thickness": 1e-6 * (2.0 + rows)}
+
+    def read(name):
+        return rows if name == "time" else columns.get(name, 0.0 * rows)
+
+    (line,) = describe_bearings(system, list_merits(system, {}, read), read)
+    groove = f"at the least film the load points {said}, at a right angle" if said else "^((?!groove).)*$"
+    assert re.search(groove, line)
+
+
+@pytest.mark.parametrize(
     ("film", "said"),
     [
         (2e-10, "; no film of smooth surfaces at t = 3 s, least film ratio 0.01 under the fluid's share of"),
@@ -283,9 +310,11 @@ def test_numbers_of_a_made_cycle_of_a_bearing():
             "bearing.least_film": 2e-6,
             "bearing.least_film_ratio": 5.0,
             "bearing.largest_eccentricity": 0.92,
+            "bearing.load_from_groove": math.nan,
             "bearing.peak_pressure": 8e6,
             "bearing.friction_power": 4.5,
-        }
+        },
+        nan_ok=True,
     )
 
 

@@ -54,14 +54,14 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
     "journal_bearing": (
         {"width": 30e-3},
         {"roughness": 5e-6},
-        {"groove_width": 2.0},
+        {"groove_width": 2.0, "film_model": 2.0},
         {"width": 2e-3, "film_model": 2.0},
         {"eccentricity_x": 21e-6, "eccentricity_y": -21e-6},
     ),
     "pin_bearing": (
         {"width": 30e-3},
         {"roughness": 5e-6},
-        {"groove_width": 2.0},
+        {"groove_width": 2.0, "film_model": 2.0},
         {"width": 0.7e-3, "film_model": 2.0},
         {"face_gap": 1e-4, "face_radius": 3e-3},
         {"eccentricity_x": 15e-6, "eccentricity_y": -15e-6},

@@ -24,12 +24,16 @@ from ..reference import Reference, joined, wave
 STEPS = (1e-1, 1e-2, 1e-3, 1e-4)
 # Of differences with an error of sixth order: places in half steps, weights.
 STENCIL = ((1.0, 45.0 / 60.0), (2.0, -9.0 / 60.0), (3.0, 1.0 / 60.0))
+GROOVED = "journal_bearing, grooved"
 # Parameters that are not as they start, where those are at the edge of their range, leave something out, or
-# make films so thin that rates bend within their own differences.
+# make films so thin that rates bend within their own differences. A soft support lets the journal lag: where
+# the force on a grooved film nearly vanishes it turns about within the differences' steps, which are off by
+# 1e-5 then, the derivatives by 2e-9.
 GIVEN: dict[str, dict[str, float]] = {
     "valve_spring": {"seat_stiffness": 1e7, "seat_damping": 100.0},
     "ehl_contact": {"inlet_heating": 1.0, "film_heating": 1.0},
     "journal_bearing": {"radial_clearance": 40e-6},
+    GROOVED: {"radial_clearance": 40e-6, "film_model": 2, "support_stiffness": 2e6},
     "tappet_spin": {"axial_offset": 2e-3},
 }
 # What the best of these differences leaves of terms of higher order.
@@ -136,8 +140,13 @@ def known_by(variables: Any, names: list[str]) -> list[str]:
     return [name for name in names if name in variables and variables[name].type == "Real"]
 
 
+def part_of(name: str) -> str:
+    """The component of a case."""
+    return name.partition(", ")[0]
+
+
 def started(name: str) -> Reference:
-    reference = Reference(name)
+    reference = Reference(part_of(name))
     for parameter, value in GIVEN.get(name, {}).items():
         reference.p[reference.component.parameters.index(parameter)] = value
     return reference
@@ -183,9 +192,9 @@ def in_motion(name: str, fmu: Path) -> Iterator[Derivatives]:
     slave.free()
 
 
-@pytest.mark.parametrize("name", EVERY_NATIVE)
+@pytest.mark.parametrize("name", [*EVERY_NATIVE, GROOVED])
 def test_derivatives_by_inputs_and_parameters(name, native_files):
-    for derivatives in in_motion(name, native_files[name]):
+    for derivatives in in_motion(name, native_files[part_of(name)]):
         derivatives.check()
 
 
@@ -221,10 +230,10 @@ def test_derivatives_by_states(name, native_files):
     slave.free()
 
 
-@pytest.mark.parametrize("name", EVERY_NATIVE)
+@pytest.mark.parametrize("name", [*EVERY_NATIVE, GROOVED])
 def test_derivatives_by_states_between_steps(name, native_files):
     """In co-simulation, at a communication point."""
-    reference, slave = moving(name, native_files[name])
+    reference, slave = moving(name, native_files[part_of(name)])
     check_states(slave, point_of(reference), slave.fmu)
     slave.free()
 
