@@ -80,16 +80,9 @@ def convert(record: type) -> dict[str, Parameter]:
 
 
 def _convert(quantity: Quantity, default: Any) -> Parameter:
-    return Parameter(
-        quantity.choices[int(default)] if quantity.choices else default,
-        quantity.unit,
-        quantity.description,
-        minimum=quantity.minimum,
-        maximum=quantity.maximum,
-        choices=quantity.choices,
-        positive=quantity.positive,
-        plausible=quantity.plausible,
-    )
+    kept = ("unit", "description", "minimum", "maximum", "choices", "positive", "plausible")
+    known = quantity.choices[int(default)] if quantity.choices else default
+    return Parameter(known, **{name: getattr(quantity, name) for name in kept})
 
 
 class Profile(NamedTuple):

@@ -159,7 +159,13 @@ def build_results_table(analysis: Analysis, results: Mapping[str, float | str]) 
 def build_parameters_table(name: str) -> Table:
     """What can be set: defaults, units, ranges."""
     rows = (
-        (key, _format_value(value.default), _format_unit(value.unit), value.allowed, value.description)
+        (
+            key,
+            _format_value(value.default),
+            _format_unit(value.quantity.unit),
+            value.allowed,
+            value.quantity.description,
+        )
         for key, value in load(name).parameters.items()
     )
     return _build_table(("parameter", "default", "unit", "allowed", "meaning"), rows)

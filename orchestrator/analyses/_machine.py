@@ -49,19 +49,14 @@ def declare_duration(cycles: int, transient: int) -> dict[str, Parameter]:
 
 def build_machine(values: Mapping[str, Any]) -> Machine:
     """The machine, with defaults for parameters that an analysis lacks; MistakeError if none is possible."""
-    try:
-        names = (field.name for field in fields(Machine) if field.name in values)
-        return Machine(**{name: values[name] for name in names})
-    except ValueError as error:
-        raise MistakeError(str(error)) from None
+    with report_mistakes():
+        return Machine(**{f.name: values[f.name] for f in fields(Machine) if f.name in values})
 
 
 def simulate_motion(values: Mapping[str, Any]) -> Motion:
     """The motion after its transient; MistakeError for a start outside the walls."""
-    try:
+    with report_mistakes():
         return Motion(build_machine(values), values["psi"], values["psi_rate"]).skip(values["transient"])
-    except ValueError as error:
-        raise MistakeError(str(error)) from None
 
 
 def declare_axis(letter: str, name: str, first: float, last: float, count: int) -> dict[str, Parameter]:
@@ -83,7 +78,7 @@ def read_axis(values: Mapping[str, Any], letter: str) -> tuple[str, Vector]:
 def read_coordinate(values: Mapping[str, Any], letter: str) -> xarray.Variable:
     """The values along an axis, with unit and description."""
     name, found = read_axis(values, letter)
-    return column(letter, found, MACHINE[name].unit, MACHINE[name].description)
+    return column(letter, found, MACHINE[name].quantity.unit, MACHINE[name].quantity.description)
 
 
 @contextmanager

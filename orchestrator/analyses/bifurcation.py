@@ -32,6 +32,7 @@ UP, DOWN, REST = 1, -1, 0
 
 def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
     machine, (name, x) = build_machine(values), read_axis(values, "x")
+    varied = MACHINE[name].quantity
     how = (values["record"], values["cycles"], values["transient"])
     with report_mistakes():
         if values["start"] == "from_rest":
@@ -51,7 +52,7 @@ def build_table(values: Mapping[str, Any]) -> xarray.Dataset:
             ),
             "points": float(len(recorded)),
         },
-        coords={"value": column("point", value, MACHINE[name].unit, MACHINE[name].description)},
+        coords={"value": column("point", value, varied.unit, varied.description)},
     )
 
 

@@ -119,7 +119,7 @@ ANALYSIS = declare(
         "most": Parameter(400_000, "1", "impacts after which it ends early", minimum=1.0, integer=True),
         "wall": Parameter("upper", "1", "wall", choices=("upper", "lower")),
         "centre_angle": Parameter(
-            1.0, "rad", "magnified: around the impact nearest to it", 0.0, 2.0 * math.pi
+            1.0, "rad", "magnified: around the impact nearest to it", minimum=0.0, maximum=2.0 * math.pi
         ),
         "centre_rate": Parameter(0.06, "1", "and to this psi'"),
         "magnification": Parameter(6.0, "1", "of the first window, and of the second over it", minimum=1.0),

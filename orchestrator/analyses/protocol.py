@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from models.core.quantities import Plausible, Quantity
+from models.core.quantities import Quantity
 from models.core.system import suggestion
 
 from ..errors import MistakeError
@@ -25,36 +24,18 @@ Draw = Callable[["xarray.Dataset", Mapping[str, Any]], "Figure"]
 Tabulate = Callable[[Mapping[str, Any]], "xarray.Dataset"]
 
 
-@dataclass(frozen=True)
 class Parameter:
-    """One argument of an analysis: its default, unit (SI symbols), meaning and allowed range.
+    """One argument of an analysis: its default, and the quantity with its allowed range.
 
-    `positive` excludes zero, `choices` are names, `integer` asks for a whole number. A bool as default asks
-    for true or false, a text without choices for any text. `plausible` are the usual magnitudes.
+    `integer` asks for a whole number, a bool as default for true or false, a text without choices for any
+    text.
     """
 
-    default: Value
-    unit: str
-    description: str
-    minimum: float = -math.inf
-    maximum: float = math.inf
-    choices: tuple[str, ...] = ()
-    integer: bool = False
-    positive: bool = False
-    plausible: Plausible | None = None
-
-    @property
-    def quantity(self) -> Quantity:
-        return Quantity(
-            self.unit,
-            self.description,
-            minimum=self.minimum,
-            maximum=self.maximum,
-            positive=self.positive,
-            choices=self.choices,
-            boolean=isinstance(self.default, bool),
-            plausible=self.plausible,
-        )
+    def __init__(
+        self, default: Value, unit: str, description: str, *, integer: bool = False, **limits: Any
+    ) -> None:
+        self.default, self.integer = default, integer
+        self.quantity = Quantity(unit, description, boolean=isinstance(default, bool), **limits)
 
     @property
     def allowed(self) -> str:
@@ -66,33 +47,34 @@ class Parameter:
 
     @property
     def _is_text(self) -> bool:
-        return isinstance(self.default, str) and not self.choices
+        return isinstance(self.default, str) and not self.quantity.choices
 
     def doubt(self, name: str, value: Any) -> str:
         """A warning of a number without a unit that is plausible only in another one; "" if there is none."""
         text = str(value)
-        if isinstance(value, bool) or self._is_text or self.choices or not is_bare(text):
+        if isinstance(value, bool) or self._is_text or self.quantity.choices or not is_bare(text):
             return ""
         doubt = self.quantity.doubt(float(text))
-        return doubt and f"{name} = {float(text):g} {self.unit} ({self.description}): {doubt} Write the unit"
+        said = f"{name} = {float(text):g} {self.quantity.unit} ({self.quantity.description})"
+        return doubt and f"{said}: {doubt} Write the unit"
 
     def check_value(self, name: str, value: Any) -> Value:
         """`value` (a text may have a unit) as `evaluate` gets it; MistakeError with the allowed range."""
         if not isinstance(value, (bool, int, float, str)):
-            raise MistakeError(f"{name} = {value!r} ({self.description}): must be a single value")
+            raise MistakeError(f"{name} = {value!r} ({self.quantity.description}): must be a single value")
         if self._is_text:
             return str(value)
         try:
             found = parse_value(self.quantity, value)
         except ValueError as error:
-            raise MistakeError(f"{name} = {value!r} ({self.description}): {error}") from None
+            raise MistakeError(f"{name} = {value!r} ({self.quantity.description}): {error}") from None
         fault = self.quantity.fault(name, to_number(self.quantity, found))
         if fault is not None:
             raise MistakeError(fault)
         if not self.integer:
             return found
         if not float(found).is_integer():
-            raise MistakeError(f"{name} = {value} ({self.description}): must be a whole number")
+            raise MistakeError(f"{name} = {value} ({self.quantity.description}): must be a whole number")
         return int(found)
 
 
@@ -100,8 +82,9 @@ def describe_values(parameters: Mapping[str, Parameter], values: Mapping[str, An
     """What an analysis takes, in words; without what is left open: an empty text, a zero that says so."""
     words = []
     for name, parameter in parameters.items():
-        value, shown = values[name], show_unit(parameter.unit, "mm" if parameter.unit == "m" else "")
-        if value == "" or (value == 0.0 and "; 0:" in parameter.description):
+        value, unit = values[name], parameter.quantity.unit
+        shown = show_unit(unit, "mm" if unit == "m" else "")
+        if value == "" or (value == 0.0 and "; 0:" in parameter.quantity.description):
             continue
         number = isinstance(value, float)
         text = f"{format_number(shown.factor * value, 6)} {shown.text}".strip() if number else str(value)

@@ -57,7 +57,8 @@ class NumberedSubject(Subject):
         return self.axis.check_value(name, value)
 
     def describe(self, name: str) -> Result:
-        return Result(self.axis.unit, self.axis.description, display_unit=self.display_unit)
+        quantity = self.axis.quantity
+        return Result(quantity.unit, quantity.description, display_unit=self.display_unit)
 
 
 @functools.cache
@@ -84,8 +85,8 @@ class AnalysisSubject(Subject):
         return self.analysis.parameter(name).check_value(name, value)
 
     def describe(self, name: str) -> Result:
-        parameter = self.analysis.parameter(name)
-        return Result(parameter.unit, parameter.description)
+        quantity = self.analysis.parameter(name).quantity
+        return Result(quantity.unit, quantity.description)
 
     @property
     def default_figure(self) -> Sequence[str]:

@@ -106,7 +106,7 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
     assert roller["follower"] == "finger_roller"
     assert load("cam").complete(roller)["cam_arm"] == roller["cam_arm"]
     one = find_settings("engine-16v", "tappet_intake_2a")
-    assert one["law"] in load("cam").parameters["law"].choices
+    assert one["law"] in load("cam").parameters["law"].quantity.choices
     assert find_settings("valve-train")["follower"] == "flat"
 
 

@@ -140,6 +140,11 @@ class ContactSummary:
 
 
 ContactSummaries = dict[str, ContactSummary]
+# What a summary has as it was accumulated.
+KEPT = (
+    "least_load", "least_load_time", "largest_load", "pressure", "pressure_time", "film_time", "ramp_lift",
+    "ramp_time", "longest_step",
+)  # fmt: skip
 
 
 def contacts(system: System) -> dict[str, dict[str, float]]:
@@ -234,11 +239,8 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
     dry = formula == "dry"
     separation = impact = None
     if c.separations:
-        separation = Separation(
-            int(c.separations),
-            c.lost_duration,
-            *(c.longest_separation, c.separation_time, c.gap, c.gap_time),
-        )
+        longest = (c.longest_separation, c.separation_time, c.gap, c.gap_time)
+        separation = Separation(int(c.separations), c.lost_duration, *longest)
     if c.landings:
         impact = Impact(c.impact_time, c.impact_load, c.impact_speed, c.impulse, int(c.impact_steps))
     excursions = {}
@@ -248,28 +250,24 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
                 least = most = np.nan
             if duration > 0.0:
                 excursions[group] = Excursion(duration / c.loaded_duration, least, most, *range_)
+
+    def share(part: float, whole: float = c.duration) -> float:
+        return part / whole if whole else 0.0
+
     return ContactSummary(
-        least_load=c.least_load,
-        least_load_time=c.least_load_time,
-        largest_load=c.largest_load,
+        **{name: getattr(c, name) for name in KEPT},
         largest_load_time=c.load_time,
-        lost=c.lost_duration / c.duration if c.duration else 0.0,
-        at_rest=c.rest_duration / c.duration if c.duration else 0.0,
-        on_ramps=c.ramp_duration / c.duration if c.duration else 0.0,
-        ramp_lift=c.ramp_lift,
-        ramp_time=c.ramp_time,
-        pressure=c.pressure,
-        pressure_time=c.pressure_time,
+        lost=share(c.lost_duration),
+        at_rest=share(c.rest_duration),
+        on_ramps=share(c.ramp_duration),
         elastic_limit=parameters["elastic_limit"],
-        yielding=c.yield_duration / c.duration if c.duration else 0.0,
+        yielding=share(c.yield_duration),
         film=0.0 if dry else c.film,
-        film_time=c.film_time,
         film_ratio=0.0 if dry else c.film_ratio,
-        longest_step=c.longest_step,
-        film_power=c.film_work / c.duration if c.duration else 0.0,
+        film_power=share(c.film_work),
         film_grows=formula == GROWING,
-        film_feed=c.film_work / c.film_gross if c.film_gross else 0.0,
-        film_friction=c.film_work / c.rolled if c.rolled else 0.0,
+        film_feed=share(c.film_work, c.film_gross),
+        film_friction=share(c.film_work, c.rolled),
         separation=separation,
         impact=impact,
         ranges=excursions,
