@@ -98,6 +98,12 @@ def test_files_read_back(tmp_path):
         (["exponent_map", "--set", "y_from=-0.01"], "gap"),
         (["bifurcation", "--set", "x=restitution", "--set", "x_to=2"], "restitution"),
         (["trace", "--set", "xi=1"], "crank"),
+        (["trace", "--at", "1"], "belongs to a scenario"),
+        (["valve-train", "--parameters"], "--set changes any of its keys"),
+        (["valve-train", "--at", "1 mm"], "unit"),
+        (["valve-train", "--at", "1 s"], "between 0 and stop_time"),
+        (["valve-train", "--set", "macro_stp=1"], "unknown key"),
+        (["nothing.toml"], "no such scenario file"),
     ],
 )
 def test_refusals(arguments, key, tmp_path):

@@ -1,12 +1,17 @@
 """Participants linearised by responses or directional derivatives: against equations, and what runs do."""
 
+import csv
+
 import numpy as np
 import pytest
+import xarray
 from typer.testing import CliRunner
 
 from fmus.native.fmu import build
 from fmus.native.machine_code import this_platform
+from models.core.difference import difference
 from models.core.system import Instance
+from models.monolithic.trajectory import compute_trajectory
 from orchestrator.analyses.stability.behaviour import Behaviour, find_stability_limit
 from orchestrator.analyses.stability.linear import Linear
 from orchestrator.analyses.stability.linearisation import Directional, linearise_at, linearise_points
@@ -16,15 +21,19 @@ from orchestrator.analyses.stability.trajectory import (
     list_connected_inputs,
     list_continuous_outputs,
 )
-from orchestrator.masters import GaussSeidel, Jacobi
+from orchestrator.engine.signals import DEGREES
+from orchestrator.masters import MASTERS, GaussSeidel, Jacobi
 from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.participants.own_process import Limits
 from orchestrator.participants.third_party import read_component
+from orchestrator.scenario import MasterTable
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from tribocosim.command_line import app
 
 from ..third_party.c_fmus import fmu as c_fmu
-from .coupled import Wrapper, assert_growth_changes_at
+from .coupled import Wrapper, assert_growth_changes_at, run_coupled
 from .linearised import (
     SPACING,
     list_outputs,
@@ -217,6 +226,39 @@ def test_the_command_tells_how_each_participant_was_linearised(build_fmu, told, 
     assert shown.exit_code == 0, shown.output
     for line in ("By their equations: first", told, "second holds its inputs force over a step"):
         assert line in " ".join(shown.output.split())
+
+
+@pytest.mark.long
+def test_the_command_prints_and_writes_tables_and_a_figure_and_its_advice_keeps_the_tolerance(tmp_path):
+    """What is written reads back. Observed: a run as advised is within the scenario's tolerance."""
+    masses, out = write_masses(tmp_path), tmp_path / "out"
+    arguments = ["analyse", masses, "--out", str(out), "--at", "0.5 s", "--set", "macro_step=0.02"]
+    shown = CliRunner().invoke(app, arguments)
+    assert shown.exit_code == 0, shown.output
+    assert "Advised: macro_step" in shown.output
+    assert "Worth iterating: first, second" in shown.output
+    with xarray.open_dataset(out / "stability.nc", engine="h5netcdf") as table:
+        # All masters with all signals in the best order, and the scenario's, in another.
+        assert table.sizes["method"] == len(MASTERS) * len(DEGREES) + 1
+        assert table.of_scenario.sum() == 1
+        assert 0.5 in table.point_time
+        rows = list(csv.DictReader((out / "stability.csv").read_text().splitlines()))
+        limits = [float(row["largest_stable_step [s]"]) for row in rows]
+        assert limits == list(table.largest_stable_step.values)
+        best = table.isel(method=int(np.argmax(table.advised.values)))
+        options = {"name": best.master.item(), "extrapolation": best.extrapolation.item()}
+        step, order = best.advised_step.item(), best.order.item().split()
+    assert (out / "stability.png").read_bytes().startswith(b"\x89PNG")
+    assert "already holds a result" in CliRunner().invoke(app, arguments).output
+    scenario = load(masses)
+    system = build_system(scenario)
+    master = MasterTable(**options, **({"order": order} if order else {})).build()
+    found = run_coupled(system, master, step, scenario.stop_time)
+    truth = compute_trajectory(system, found.times, 1e-10).outputs[
+        :, system.outputs.names.index("first.force")
+    ]
+    assert difference(found["first.force"], truth).relative_rms <= scenario.tolerance["first.force"]
+    assert step > 0.01
 
 
 @pytest.mark.parametrize(("outputs", "inputs"), [(0, 1), (1, 0), (0, 0)])

@@ -1,6 +1,7 @@
 """The page of a study's answer."""
 
-from html.parser import HTMLParser
+import html
+import re
 from pathlib import Path
 
 import pytest
@@ -11,23 +12,6 @@ from orchestrator.errors import MistakeError
 from orchestrator.plots.style import create_subplots, save_figure
 from orchestrator.report.answer import Answer
 from orchestrator.reporter import Reporter
-
-
-class Reader(HTMLParser):
-    """The text of a page, and what it loads or links to."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__()
-        self.text, self.sources, self.links = "", [], []
-        self.feed(page)
-
-    def handle_starttag(self, tag, attributes):
-        found = dict(attributes)
-        self.sources += [found["src"]] if "src" in found else []
-        self.links += [found["href"]] if "href" in found else []
-
-    def handle_data(self, data):
-        self.text += data
 
 
 def _answer(folder: Path) -> Answer:
@@ -43,11 +27,12 @@ def _answer(folder: Path) -> Answer:
 def test_the_page_has_what_was_said_as_it_was_said(tmp_path):
     """Names of users are text, also with signs of HTML; figures are inside, so that it loads nothing."""
     _answer(tmp_path).write(tmp_path, "answer.html", ("numbers.csv", "a.png"))
-    page = Reader((tmp_path / "answer.html").read_text("utf-8"))
+    page = (tmp_path / "answer.html").read_text("utf-8")
+    text = html.unescape(re.sub("<[^>]*>", "", page))
     for said in ("train <1>: answer", "fitted & known", "spring.<rate>", "45.1", "a < b: the limit <script>"):
-        assert said in page.text
-    assert [source[:22] for source in page.sources] == ["data:image/png;base64,"]
-    assert page.links == ["numbers.csv", "a.png"]
+        assert said in text
+    assert [source[:22] for source in re.findall('src="([^"]*)"', page)] == ["data:image/png;base64,"]
+    assert re.findall('href="([^"]*)"', page) == ["numbers.csv", "a.png"]
 
 
 def test_a_page_that_cannot_be_written_is_named(tmp_path):
