@@ -168,21 +168,30 @@ def sensitivities(
     speed: str | None = None,
     parameters: Sequence[str] = (),
     *,
+    out: str | Path | None = None,
+    workers: int | None = None,
+    overwrite: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
     """How the figures of merit of the steady cycle at `speed`, by default the scenario's, change with
     `parameters`, over (figure, parameter): `elasticity`, the relative change over that of the parameter, and
-    its `error`, by how much the derivatives to both sides differ.
+    its `error`. The attribute `method` is "tangents" where derivatives are exact, else "differences" of whole
+    cycles.
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
-    ones but zeros and elements of arrays. RunError where the scenario's own motion is not steady.
+    ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on
+    there. RunError where the scenario's own motion is not steady.
     """
     check_study_packages()
+    from orchestrator.study.run import Where
     from orchestrator.study.speeds.sensitivities import find_sensitivities
     from orchestrator.study.speeds.sweep import parse_speed
 
-    at = None if speed is None else parse_speed("speed", speed)
-    return find_sensitivities(read_tables(scenario), at, parameters, SilentReporter(progress))
+    content = read_tables(scenario)
+    with _open_folder(out, "sensitivities") as folder:
+        where, reporter = Where(workers=workers), SilentReporter(progress)
+        at = None if speed is None else parse_speed("speed", speed)
+        return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
 
 
 def calibrate(  # noqa: PLR0913  # options of the command

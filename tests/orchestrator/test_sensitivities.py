@@ -15,16 +15,38 @@ from orchestrator.errors import MistakeError, RunError
 from orchestrator.reporter import Reporter
 from orchestrator.scenario.files import load, put, read_changed, to_full_toml
 from orchestrator.scenario.system import list_parameters, list_quantities
+from orchestrator.study.run import Where
 from orchestrator.study.speeds import figure_slopes, sensitivities
 from orchestrator.study.speeds.figure_slopes import find_slopes
-from orchestrator.study.speeds.sensitivities import choose_parameters, find_sensitivities, publish
+from orchestrator.study.speeds.sensitivities import (
+    SHARE,
+    SHARES,
+    choose_parameters,
+    differentiate,
+    find_sensitivities,
+    find_usable,
+    publish,
+)
 from orchestrator.study.speeds.subject import SpeedSubject
+from orchestrator.study.store import DONE
 from orchestrator.texts import parse_toml
 from tribocosim.reporting import SilentReporter
 
 from .commands import called
 
 DRY = ("components.contact.parameters.film_model=dry",)
+
+
+def test_a_power_law_has_its_exponent_and_an_error_of_fourth_order():
+    factors = 1.0 + SHARE * np.array([0.0, *SHARES])
+    found = differentiate({"power": 7.0 * factors**2.5, "none": 0.0 * factors}, 1)
+    elasticity, error = found["power"]
+    # The term of order h^4 is 2.5 1.5 0.5 0.5 1.5 / 30 h^4 = 5e-14; rounding over h is 2e-13.
+    assert elasticity == pytest.approx([2.5], abs=1e-12)
+    assert error == pytest.approx([2.5 * 1.5 * 0.5 / 6.0 * SHARE**2], rel=1e-3)
+    assert "none" not in found
+    corner = differentiate({"corner": 1.0 + np.maximum(factors - 1.0 - 0.5 * SHARE, 0.0)}, 1)["corner"]
+    assert corner[1] > 0.05 * corner[0]
 
 
 def find_masses(subject):
@@ -129,7 +151,7 @@ def test_parameters_are_named_as_in_a_scenario_and_refused_where_they_cannot_var
 def test_the_command_prints_what_moves_a_train_and_leaves_table_and_figure(tmp_path):
     done = called(
         "sensitivities", "valve-train", "--parameter", "valve_spring.preload",
-        "--out", str(tmp_path / "found"), "--set", *DRY,
+        "--workers", "1", "--out", str(tmp_path / "found"), "--set", *DRY,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "valve_spring.preload" in done.stdout
@@ -145,33 +167,40 @@ def test_the_command_prints_what_moves_a_train_and_leaves_table_and_figure(tmp_p
     assert "sensitivities.csv" in (tmp_path / "found" / "sensitivities.html").read_text("utf-8")
 
 
-def test_each_number_that_an_oil_gives_varies_alone(monkeypatch):
-    """The cycle is that of a scenario with the numbers in the oil's place."""
+def test_each_number_that_an_oil_gives_varies_alone(monkeypatch, tmp_path):
+    given = []
+
+    def run(plan, *_):
+        for case in range(1 + len(SHARES)):
+            tables = plan.subject.find_case(case)[0].tables
+            given.append(tables["components"]["contact"]["parameters"])
+        raise RunError("as far as is needed")
+
+    def refuse(*_):
+        raise MistakeError("no derivative is known")
+
+    monkeypatch.setattr(sensitivities, "find_slopes", refuse)
+    monkeypatch.setattr(sensitivities, "run", run)
     oil = ("components.contact.oil=SAE 5W-30", "components.contact.temperature=90 degC")
-    given, tables = [], read_changed("valve-train", oil)
-
-    def find(base, speed, directions):
-        given.append((base.tables["components"]["contact"], directions))
-        return {}
-
-    monkeypatch.setattr(sensitivities, "find_slopes", find)
-    with pytest.raises(RunError, match=r"no figure of the cycle changes with contact\.viscosity"):
-        find_sensitivities(tables, 200.0, ["contact.viscosity"], SilentReporter())
-    ((contact, (direction,)),) = given
-    assert "oil" not in contact
-    assert {"viscosity", "pressure_viscosity"} <= contact["parameters"].keys()
-    assert direction == {"contact.viscosity": contact["parameters"]["viscosity"]}
+    tables, where = read_changed("valve-train", oil), Where(workers=1)
+    with pytest.raises(RunError, match="as far"):
+        find_sensitivities(tables, 200.0, ["contact.viscosity"], tmp_path, where, SilentReporter())
+    ratios = [one["viscosity"] / given[0]["viscosity"] for one in given]
+    assert ratios == pytest.approx([1.0, *(1.0 + SHARE * np.array(SHARES))], rel=1e-14)
+    assert len({one["pressure_viscosity"] for one in given}) == 1
 
 
-def test_an_unsteady_motion_has_no_sensitivities(monkeypatch):
-    cycle = SimpleNamespace(steady=False, change=0.3, times=np.ones(1))
-    monkeypatch.setattr(SpeedSubject, "find_cycle_at", lambda *_: cycle)
+def test_an_unsteady_motion_has_no_sensitivities():
+    change = np.array([1e-9, 1e-9, 0.3])
+    cycles = xarray.Dataset({"status": ("case", [DONE] * 3), "change": ("case", change)})
+    assert find_usable(cycles, SilentReporter()).tolist() == [True, True, False]
     with pytest.raises(RunError, match="no steady cycle"):
-        find_sensitivities(read_changed("valve-train", DRY), 200.0, ["speed"], SilentReporter())
+        find_usable(cycles.isel(case=[2, 0]), SilentReporter())
 
 
-def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path):
-    """Of itself, between both sides."""
+@pytest.mark.parametrize(("method", "marked"), [("tangents", [False, True]), ("differences", [True, True])])
+def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path, method, marked):
+    """Tangents tell by how much both sides differ, differences of steps a third of what these do."""
     dataset = xarray.Dataset(
         {
             "elasticity": (("figure", "parameter"), [[2.0, 1.0]]),
@@ -179,9 +208,10 @@ def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path):
             "value": ("figure", [300.0]),
         },
         {"figure": ["contact.least_load"], "parameter": ["contact.viscosity", "speed"]},
-        {"speed": 200.0},
+        {"speed": 200.0, "status": 0, "method": method},
     )
     text = io.StringIO()
-    publish(dataset, load("valve-train"), tmp_path, Reporter(Console(file=text, width=200)))
+    reporter = Reporter(Console(file=text, width=200))
+    publish(dataset, load("valve-train"), tmp_path, reporter)
     rows = [line for line in text.getvalue().splitlines() if "contact.viscosity" in line or "speed " in line]
-    assert ["~" in row for row in rows] == [False, True], text.getvalue()
+    assert ["~" in row for row in rows] == marked, text.getvalue()

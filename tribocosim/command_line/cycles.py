@@ -141,13 +141,19 @@ def run_sensitivities(
     ] = None,
     out: Annotated[Path | None, folder_option("results/SCENARIO-sensitivities")] = None,
     set_: Settings = None,
+    workers: Workers = None,
+    overwrite: Restart = False,
     as_json: Json = False,
-) -> None:
-    """Find which parameters move the figures of merit of a valve train's steady cycle, and by how much."""
+) -> int:
+    """Find which parameters move the figures of merit of a valve train's steady cycle, and by how much.
+
+    The same command continues an interrupted one. Exit status 0: all cycles found, 1: some failed, 2: a
+    mistake in the scenario or the command, 130: interrupted.
+    """
     check_study_packages()
     from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario import build_scenario
-    from orchestrator.store.output_folder import refuse_file
+    from orchestrator.study.run import Where
     from orchestrator.study.speeds.sensitivities import find_sensitivities, publish
     from orchestrator.study.speeds.sweep import parse_speed
 
@@ -156,14 +162,16 @@ def run_sensitivities(
     tables = read_tables(scenario, set_ or [])
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
-    refuse_file(folder)
     reporter = build_reporter(as_json)
     at = None if speed is None else parse_speed("speed", speed)
     with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
-        found = find_sensitivities(tables, at, parameter or [], reporter)
+        found = find_sensitivities(
+            tables, at, parameter or [], folder, Where(workers=workers), reporter, overwrite
+        )
     publish(found, checked, folder, reporter)
     if as_json:
         print_json(found.to_dict())
+    return int(found.attrs["status"])
 
 
 @report_errors

@@ -17,7 +17,6 @@ from models.monolithic.cycle_tangents import CycleTangents, Direction, Rows, dif
 
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
-from ...errors import RunError
 from ...reporter import show_share
 from .subject import SAMPLES, SpeedSubject, find_angle
 
@@ -44,15 +43,12 @@ def find_slopes(
     subject: SpeedSubject, speed: float, parameters: Sequence[Mapping[str, float]]
 ) -> dict[str, FigureSlopes]:
     """Of the cycle at a speed (rad/s), in directions: changes of parameters "component.name", in their units,
-    or of the `SPEED` (rad/s). RunError without a steady cycle, ModelError where it has no tangents."""
+    or of the `SPEED` (rad/s). ModelError where the cycle has no tangents, or there is none."""
     show_share(0.0, ", the cycle")
     cycle, flywheel = subject.find_cycle_at(speed), subject.flywheel
     period, directions = float(cycle.times[-1]), []
     if not cycle.steady:
-        raise RunError(
-            "there is no steady cycle at this speed: a period changes states by "
-            f"{cycle.change:.2g} of their sizes"
-        )
+        raise ModelError(f"no steady cycle: a period changes states by {cycle.change:.2g} of their sizes")
     for changes in parameters:
         own = {name: size for name, size in changes.items() if name != SPEED}
         faster = changes.get(SPEED, 0.0)

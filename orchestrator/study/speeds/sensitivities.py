@@ -1,16 +1,29 @@
-"""How the figures of merit of a steady cycle change with parameters, by its tangents."""
+"""How the figures of merit of a steady cycle change with parameters: by its tangents, or by differences.
 
+Where the cycle has no tangents, whole cycles are compared.
+
+For a share h of the parameter, D(h) = (g(1 + h) - g(1 - h))/(2 h) is the change of a figure g, and
+(4 D(h) - D(2 h))/3 has an error of order h^4. Its distance from D(h) is published with it: it is large where
+a figure is not smooth, as at the loss of contact.
+"""
+
+import json
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 from rich.table import Column, Table
 
+from models.core.quantities import Vector
 from models.core.words import tally
+from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
+from ...analyses import Parameter, Result
 from ...assessment.friction.losses import remark_outside
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.sensitivities import LEAST, draw_tornado
@@ -19,14 +32,34 @@ from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number, say, show, show_unit
-from ...scenario.files import to_full_toml
+from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import build_system, list_parameters, list_quantities
+from ...scenario.values import Value
+from ...store.output_folder import refuse_file
 from ...texts import parse_toml
+from ..files import plan_axis
+from ..run import Where, run
+from ..store import DONE
+from ..subjects import NumberedSubject
 from .figure_slopes import SPEED, find_slopes
-from .subject import SpeedSubject, check_varied, describe_numbers, find_flywheel, find_own_speed
+from .subject import (
+    STEADY,
+    SpeedSubject,
+    check_varied,
+    describe_numbers,
+    find_flywheel,
+    find_own_speed,
+    measure_cycle,
+)
 
-PAGE, TABLE, FIGURE = "sensitivities.html", "sensitivities.csv", "sensitivities.png"
-# A derivative whose values to both sides differ by more than this of itself is marked.
+# Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
+# of 1e-3; at ten times of it contacts' vibrations end in another phase.
+SHARE, TOLERANCE, CLOSED = 1e-3, 1e-11, 1e-9
+SHARES = (-2.0, -1.0, 1.0, 2.0)
+CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
+PAGE, CYCLES = "sensitivities.html", "cycles.zarr"
+TABLE, FIGURE = "sensitivities.csv", "sensitivities.png"
+# A difference of more than this of itself between both steps, or both sides, is told.
 DOUBTFUL = 0.05
 # Rows of the table that is printed, and the figures that are its columns.
 SHOWN = 12
@@ -35,6 +68,40 @@ MAIN = (
     "friction_power", "largest_torque",
 )  # fmt: skip
 RPM = 30.0 / math.pi
+
+
+@dataclass(frozen=True)
+class SensitivitySubject(NumberedSubject):
+    """The cycles of a scenario beside that at a speed (rad/s), by the parameters "component.name"."""
+
+    axis = CASE
+
+    base: SpeedSubject
+    speed: float
+    parameters: tuple[str, ...]
+
+    @property
+    def results(self) -> Mapping[str, Result]:
+        return self.base.results
+
+    def content(self) -> str:
+        cycles = {"speed": self.speed, "parameters": self.parameters, "share": SHARE}
+        return json.dumps(cycles) + self.base.content()
+
+    def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
+        subject, speed = self.find_case(round(float(values["case"])))
+        return measure_cycle(subject.find_cycle_at(speed, TOLERANCE, CLOSED), subject.flywheel)
+
+    def find_case(self, case: int) -> tuple[SpeedSubject, float]:
+        """The scenario and the speed (rad/s) of a cycle."""
+        if not case:
+            return self.base, self.speed
+        which, step = divmod(case - 1, len(SHARES))
+        name, factor = self.parameters[which], 1.0 + SHARE * SHARES[step]
+        if name == SPEED:
+            return self.base, self.speed * factor
+        value = list_parameters(self.base.scenario)[name] * factor
+        return SpeedSubject(put_parameters(self.base.tables, {name: value}), self.base.flywheel), self.speed
 
 
 def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
@@ -59,32 +126,108 @@ def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) 
     return tuple(dict.fromkeys(found))
 
 
+def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Vector, Vector]]:
+    """By figure its elasticities dg/g over dp/p (count,) and their distance from D(h), a third of what both
+    steps differ by; without those of a figure that is zero or unknown. `table`: the values of all cases."""
+    found = {}
+    for name, values in table.items():
+        cases = (
+            values[1:].reshape(count, len(SHARES)) / values[0] if values[0] else np.full((count, 4), np.nan)
+        )
+        near = (cases[:, 2] - cases[:, 1]) / (2.0 * SHARE)
+        far = (cases[:, 3] - cases[:, 0]) / (4.0 * SHARE)
+        elasticity = (4.0 * near - far) / 3.0
+        if np.isfinite(elasticity).any():
+            found[name] = elasticity, np.abs(elasticity - near)
+    return found
+
+
+def find_usable(cycles: xarray.Dataset, reporter: Reporter) -> NDArray[np.bool_]:
+    """The cases with a steady cycle; RunError where the first, the scenario itself, has none."""
+    done = cycles["status"].values == DONE
+    usable = np.asarray(done & (cycles["change"].values <= LARGEST_CHANGE))
+    if done[0] and not usable[0]:
+        raise RunError("the scenario has no steady cycle at this speed: there are no sensitivities")
+    if unsteady := int(np.sum(done & ~usable)):
+        reporter.line(
+            f"{unsteady} cycles are not steady, see cycles.csv: their parameters have no sensitivities"
+        )
+    return usable
+
+
 def find_sensitivities(
-    tables: Mapping[str, Any], speed: float | None, wanted: Sequence[str], reporter: Reporter
+    tables: Mapping[str, Any],
+    speed: float | None,
+    wanted: Sequence[str],
+    out: Path,
+    where: Where,
+    reporter: Reporter,
+    overwrite: bool = False,
 ) -> xarray.Dataset:
-    """The elasticities of all figures of the cycle at `speed` (rad/s), by default the scenario's own, over
-    (figure, parameter), and by how much their values to both sides differ. RunError without a steady cycle,
-    ModelError where it has no tangents."""
+    """The elasticities of all figures of the cycle at `speed` (rad/s), by default the scenario's own, with
+    their errors, over (figure, parameter); the cycles are kept in the folder `out`. MistakeError before
+    anything is computed."""
+    refuse_file(out)
     scenario = build_scenario(tables)
     flywheel = find_flywheel(scenario)
     speed = find_own_speed(scenario, flywheel) if speed is None else speed
     parameters = choose_parameters(scenario, flywheel, wanted)
     # With the numbers that oils, tables and drawings give, so that each may vary alone.
     base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)
-    values = {SPEED: speed, **list_parameters(base.scenario)}
-    with reporter.stage(f"derivatives of the steady cycle by {tally(len(parameters), 'parameter')}"):
-        slopes = find_slopes(base, speed, [{name: values[name]} for name in parameters])
-    found = {name: one for name, one in slopes.items() if one.value and np.any(one.slopes)}
-    if not found:
-        raise RunError(f"no figure of the cycle changes with {', '.join(parameters)}")
-    both = ("figure", "parameter")
-    shares = {
-        "elasticity": (both, [one.slopes / one.value for one in found.values()]),
-        "error": (both, [one.corners / abs(one.value) for one in found.values()]),
-        "value": ("figure", [one.value for one in found.values()]),
+    subject = SensitivitySubject(base, speed, parameters)
+    exact = _find_exact(base, speed, parameters, reporter)
+    if exact is not None:
+        return exact
+    last = len(parameters) * len(SHARES)
+    reporter.line(
+        f"{last + 1} steady cycles: {len(SHARES)} for each of {tally(len(parameters), 'parameter')}, and one"
+    )
+    description = f"{scenario.name}: cycles beside that at {speed:.6g} rad/s"
+    plan = plan_axis(scenario.name, description, subject, "case", (0.0, float(last)), last + 1)
+    status = run(plan, out / CYCLES, where, reporter, overwrite)
+    with xarray.open_zarr(out / CYCLES) as stored:
+        cycles = stored.load()
+    usable = find_usable(cycles, reporter)
+    values = {
+        name: np.where(usable, cycles[name].values, np.nan)
+        for name in subject.results
+        if name not in STEADY and not name.endswith("_angle")
     }
-    coordinates = {"figure": list(found), "parameter": list(parameters)}
-    return xarray.Dataset(shares, coordinates, {"speed": speed})
+    found = {name: (values[name][0], *one) for name, one in differentiate(values, len(parameters)).items()}
+    return _build(found, parameters, speed=speed, status=status, method="differences")
+
+
+def _build(
+    found: Mapping[str, tuple[float, Vector, Vector]], parameters: Sequence[str], **attributes: Any
+) -> xarray.Dataset:
+    """By figure its value, elasticities and their errors."""
+    value, elasticity, error = (np.array(column) for column in zip(*found.values(), strict=True))
+    both = ("figure", "parameter")
+    return xarray.Dataset(
+        {"elasticity": (both, elasticity), "error": (both, error), "value": ("figure", value)},
+        {"figure": list(found), "parameter": list(parameters)},
+        attributes,
+    )
+
+
+def _find_exact(
+    base: SpeedSubject, speed: float, parameters: Sequence[str], reporter: Reporter
+) -> xarray.Dataset | None:
+    """The same by the cycle's tangents; None, and why, where it has none. RunError without a steady cycle."""
+    values = {SPEED: speed, **list_parameters(base.scenario)}
+    try:
+        with reporter.stage(f"derivatives of the steady cycle by {tally(len(parameters), 'parameter')}"):
+            found = find_slopes(base, speed, [{name: values[name]} for name in parameters])
+    except MistakeError as error:
+        reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
+        return None
+    shares = {
+        name: (one.value, one.slopes / one.value, one.corners / abs(one.value))
+        for name, one in found.items()
+        if one.value and np.any(one.slopes)
+    }
+    reporter.line(f"exact derivatives of the cycle by {tally(len(parameters), 'parameter')}")
+    return _build(shares, parameters, speed=speed, status=0, method="tangents")
 
 
 def select_figures(dataset: xarray.Dataset) -> list[str]:
@@ -116,8 +259,10 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     own = [say(float(value), unit) for value, unit in zip(main["value"].values, units, strict=True)]
     shown.add_row("value of the figure", "", *own, end_section=True)
     values = _say_parameters(dataset, scenario)
+    # The error of differences is a third of what both steps differ by, that of tangents what both sides do.
+    differing = main["error"].values * (3.0 if dataset.attrs["method"] == "differences" else 1.0)
     for k in order:
-        cells = zip(main["elasticity"].values[:, k], main["error"].values[:, k], strict=True)
+        cells = zip(main["elasticity"].values[:, k], differing[:, k], strict=True)
         name = str(main["parameter"].values[k])
         shown.add_row(name, values[name], *(_cell(one, error) for one, error in cells))
     answer = Answer(f"{at}: sensitivities", reporter)
