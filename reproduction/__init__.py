@@ -1,4 +1,4 @@
-"""Published sources reproduced: their figures drawn, and what they say of numbers checked.
+"""Published sources reproduced: their figures drawn, and every quantitative statement checked.
 
 To add one: a module with a `Publication` named PUBLICATION, listed here.
 """

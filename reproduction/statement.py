@@ -108,6 +108,13 @@ class Claim(Generic[Runs]):
         return Statement(self.key, self.place, text, computed, verdict, reason, found.values())
 
 
+def state_verdict(
+    key: str, place: str, text: str, computed: str, verdict: Verdict, reason: str = ""
+) -> Claim[Any]:
+    """A claim that is judged without numbers."""
+    return Claim(key, place, text, lambda runs: {}, computed, verdict, reason)
+
+
 def is_near(value: float, stated: float, share: float = 0.01) -> bool:
     """Equal as printed numbers are: to `share` of the stated one."""
     return abs(value - stated) <= share * abs(stated)

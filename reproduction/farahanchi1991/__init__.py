@@ -1,20 +1,21 @@
-"""`python -m reproduction farahanchi1991`: six of F's figures and its statements.
+"""`python -m reproduction farahanchi1991`: F's figures 2.2 to 4.44 and its statements.
 
 F: Faramarz Farahanchi, "Chaotic and Periodic Dynamics of a Slider Crank Mechanism with Slider Clearance",
 M.S. thesis, Michigan State University (1991).
 """
 
 from ..publication import Publication
+from .chapters_1_to_3 import CLAIMS as CHAPTERS_1_TO_3
+from .chapters_4_and_5 import CLAIMS as CHAPTERS_4_AND_5
 from .figures import FIGURES
 from .runs import STARTS, STARTS_SOUGHT, Runs
-from .statements import CLAIMS
 
 INTRODUCTION = f"""\
 # Farahanchi (1991), reproduced
 
 *Chaotic and Periodic Dynamics of a Slider Crank Mechanism with Slider Clearance*, M.S. thesis, Michigan
-State University (F). The command draws six of its figures and judges what the thesis says of walls, forces
-and motions, with its own equation of motion and with the corrected one. Misprints are left out.
+State University (F). The command draws figures 2.2 and 2.4 to 4.44 and judges the statements of the thesis,
+with its own equation of motion and with the corrected one.
 
 **The error.** F's rod has the angle φ − ψ, but its kinetic energy is written with φ̇ + ψ̇. As a result, the
 forcing term has −β instead of +β: for F's engine a factor of 1.003 instead of 1.947. All results are
@@ -37,11 +38,18 @@ cycles rather than of impacts (F (3.6)).
 `python -m reproduction farahanchi1991 --out FOLDER` writes this page and its figures. After a change of the
 models, copy `farahanchi1991.md` and the figures that it shows to `docs`.
 """
+# F's statements that can be computed or contradict another, in F's order.
+CLAIMS = (*CHAPTERS_1_TO_3, *CHAPTERS_4_AND_5)
 
 
 def format_sections(runs: Runs) -> list[str]:
     """The page's parts before the statements."""
-    return ["## Figures\n", *(figure.markdown for figure in FIGURES)]
+    shown = [figure.markdown for figure in FIGURES if figure.caption]
+    return [
+        "## Figures\n",
+        f"The command draws {len(FIGURES)}; six of them:\n",
+        *shown,
+    ]
 
 
 PUBLICATION = Publication("farahanchi1991", Runs, CLAIMS, FIGURES, INTRODUCTION, format_sections)

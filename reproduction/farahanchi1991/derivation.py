@@ -27,9 +27,10 @@ from models.slider_crank.equations import (
     thesis_mechanism,
     wall_angle,
 )
+from models.slider_crank.motions.machine import Machine, Motion
 
 from ..statement import Values, is_near
-from .runs import GAPS, Case, Runs
+from .runs import GAPS, PUBLISHED, Case, Runs
 
 # Complex steps have no rounding error; central ones 1e-16 / STEP + STEP^2.
 TINY, STEP = 1e-30, 1e-5
@@ -65,15 +66,18 @@ def evaluate_lagrange(
     return (shift_momentum(STEP) - shift_momentum(-STEP)) / (2.0 * STEP) - slope
 
 
-def evaluate_printed(theta: float, psi: float, bend: float, m: Mechanism, rod_term: str = "(2.10)") -> float:
+def evaluate_printed(
+    theta: float, psi: float, bend: float, m: Mechanism, rod_term: str = "(2.10)", first_sign: float = 1.0
+) -> float:
     """Left side of the equation of motion as F prints it.
 
-    rod_term: that of "(2.10)", +beta (phi'' + psi''), or of "(2.27)", -beta (phi'' - psi'').
+    rod_term: that of "(2.10)", +beta (phi'' + psi''), or of "(2.27)", -beta (phi'' - psi''). first_sign: the
+    sign before the first cos tau sin(phi - psi), -1 in (2.8).
     """
     phi = math.asin(m.xi * math.sin(theta))
     turning = rod_curvature(theta, m.xi) - bend
     across, along = math.sin(theta) * math.cos(phi - psi), math.cos(theta) * math.sin(phi - psi)
-    rod = -0.5 * m.alpha * (m.xi * (across + along) + 0.5 * turning)
+    rod = -0.5 * m.alpha * (m.xi * (across + first_sign * along) + 0.5 * turning)
     piston = -(m.xi * (across + along) + turning)
     if rod_term == "(2.27)":
         return rod + piston - m.beta * turning
@@ -130,11 +134,11 @@ def compute_rates(runs: Runs) -> Values:
     }  # fmt: skip
 
 
-def _find_largest_fault(rotation: float, rod_term: str = "(2.10)") -> float:
+def _find_largest_fault(rotation: float, rod_term: str = "(2.10)", first_sign: float = 1.0) -> float:
     """Largest difference of a printed left side and Lagrange's equation."""
     return max(
         abs(
-            evaluate_printed(theta, psi, bend, M, rod_term)
+            evaluate_printed(theta, psi, bend, M, rod_term, first_sign)
             - evaluate_lagrange(theta, psi, rate, bend, rotation, M)
         )
         for theta in ANGLES
@@ -171,6 +175,7 @@ def compare_equations(runs: Runs) -> Values:
     """How far printed equations are from Lagrange's of F's energy, and of that with the rod's right rate."""
     small, large = _find_linear_fault(0.01), _find_linear_fault(0.02)
     return {
+        "of_2_8": _find_largest_fault(1.0, first_sign=-1.0),
         "own": _find_largest_fault(1.0), "rod": _find_largest_fault(-1.0),
         "own_2_27": _find_largest_fault(1.0, "(2.27)"), "rod_2_27": _find_largest_fault(-1.0, "(2.27)"),
         "small": small, "large": large, "growth": large / small,
@@ -179,7 +184,7 @@ def compare_equations(runs: Runs) -> Values:
 
 
 def check_walls(runs: Runs) -> Values:
-    """Exact walls beside the linear ones, and the rule of impacts."""
+    """Exact walls beside the linear ones; the rule of impacts; the lever of the wall's force."""
 
     def measure_offset(gap: float) -> float:
         return max(abs(nonlinear.wall_angle(t, gap, M.xi) - wall_angle(t, gap, M.xi)) for t in TURN) / gap
@@ -190,10 +195,21 @@ def check_walls(runs: Runs) -> Values:
         after, wall = (1.0 + e) * drift - e * before, forms.wall_rate(forms.AS_PUBLISHED, t, 1.0, psi, M)
         return abs((after - wall) + e * (before - wall))
 
+    phi, psi, h = 0.2, 0.013, 1e-5
+    sums = [nonlinear.wall_angle(t, 0.02, M.xi) + nonlinear.wall_angle(t, -0.02, M.xi) for t in TURN]
     return {
-        "off": [measure_offset(gap) for gap in GAPS],
+        "off": [measure_offset(gap) for gap in GAPS], "sum": max(abs(value) for value in sums),
         "fault": max(measure_fault(t) for t in TURN),
-    }
+        "lever": (math.sin(phi - psi + h) - math.sin(phi - psi - h)) / (2.0 * h),
+        "cosine": math.cos(phi - psi),
+    }  # fmt: skip
+
+
+def sum_bounces(runs: Runs) -> Values:
+    """Bounces under a constant push g from a rebound v take 2v/(g(1 - e)); the share of 400 of them."""
+    times = np.cumsum(2.0 * 0.9 ** np.arange(400))
+    events = Motion(Machine(0.25, 0.015, 0.9, PUBLISHED)).skip(30).events(1).impacts
+    return {"share": times[-1] / (2.0 / (1.0 - 0.9)), "impacts": len(events.theta)}
 
 
 def measure_sliding(runs: Runs) -> Values:

@@ -32,7 +32,7 @@ from models.slider_crank.motions.regions import (
 
 from ..statement import Values
 from .derivation import evaluate_printed
-from .runs import GAPS, Runs
+from .runs import GAPS, PUBLISHED, Runs
 
 # F's figures and their regions.
 REGIONS = {
@@ -85,6 +85,12 @@ def find_limits(form: str, gap: float = 0.0) -> tuple[float, float]:
 
 def _format_intervals(pairs: Sequence[tuple[float, float]]) -> str:
     return ", ".join(f"{a:.3f}-{b:.3f}" for a, b in pairs) or "nowhere"
+
+
+def compare_restitutions(runs: Runs) -> Values:
+    """Largest difference of the forces with e = 0, 0.5 and 1."""
+    values = [compute_curve(Machine(0.1, 0.01, e, PUBLISHED), UPPER, 361) for e in (0.0, 0.5, 1.0)]
+    return {"spread": np.ptp(values, axis=0).max()}
 
 
 def check_symmetry(runs: Runs, form: str, damping: float, gap: float, half_turn: bool) -> Values:

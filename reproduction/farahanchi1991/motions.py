@@ -79,6 +79,13 @@ def count_starts(runs: Runs, form: str) -> Values:
     }  # fmt: skip
 
 
+def correlate_sliding(runs: Runs, form: str) -> Values:
+    """Correlation of sliding share and impacts per cycle, with F's threshold."""
+    cases = [case.by_thesis_rule for e in RESTITUTIONS for case in list_cases(MATRIX, form, e)]
+    shares = [runs.sliding_share(case) for case in cases]
+    return {"value": np.corrcoef(shares, [len(runs.events(c).impacts.theta) / CYCLES for c in cases])[0, 1]}
+
+
 def _format_list(cases: list[str]) -> str:
     return f": {'; '.join(cases)}" if cases else ""
 

@@ -1,4 +1,4 @@
-"""`python -m reproduction kushwaha2000`: Figs 2 to 8 and the source's quantitative statements.
+"""`python -m reproduction kushwaha2000`: Figs 2 to 8 and every quantitative statement of the source.
 
 Kushwaha, Rahnejat and Jin, "Valve-train dynamics: a simplified tribo-elasto-multi-body analysis", Proc.
 Instn Mech. Engrs 214 K (2000).
@@ -14,7 +14,7 @@ INTRODUCTION = """\
 
 *Valve-train dynamics: a simplified tribo-elasto-multi-body analysis*, Proc. Instn Mech. Engrs 214 K. This
 page shows Figs 2 to 8 as computed by the models of this project, and judges every quantitative statement of
-the paper's sections, without its appendices:
+the paper:
 
 - *met* or *not met*;
 - *cannot be met*: the statement contradicts others of the paper, or the equation as printed has no sensible

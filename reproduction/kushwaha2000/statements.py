@@ -1,7 +1,7 @@
 """Every quantitative statement of the source, in its order."""
 
-from ..statement import Claim, Verdict, is_near, is_rising
-from . import film, formula, load, parts
+from ..statement import Claim, Verdict, is_near, is_rising, state_verdict
+from . import appendices, film, formula, load, parts
 from .runs import Runs
 
 # fmt: off
@@ -74,6 +74,10 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "The contact is narrow beside the radius of curvature and its own length", parts.measure_contact,
         "b at most {of_radius:.2f%} of the radius and {of_length:.2f%} of the length (1000 r/min)",
         lambda v: max(v.of_radius, v.of_length) < 0.1),
+    state_verdict("time-per-step", "3",
+        "A numerical EHL solution takes 5-7 h per time step, 500 steps per revolution",
+        "104-146 days per revolution", Verdict.CANNOT,
+        "a statement about computers and methods of 1999"),
     Claim("similarity", "(10)", "h* = 1.67 W*^0.059 U*^0.541 G*^0.421 exp(−96.775 w_s*)",
         formula.compute_exponents,
         "a − b/4 + c/2 = {sum_printed:.3f} as printed, {sum_negative:.3f} with −0.059, "
@@ -313,4 +317,36 @@ CLAIMS: tuple[Claim[Runs], ...] = (
     Claim("velocity-formula", "5", "u = ½(R0 + s + 2 j), j = (1/ω²) d²s/dt²", parts.compute_entrainment,
         "at 120° {printed:m.2f} mm, a length; times ω = {omega:.1f} rad/s {at_120:.4f} m/s", Verdict.CANNOT,
         "ω is lost; and with a varying ω, j = (s̈ − s′ω̇)/ω²"),
+    Claim("euler-transformation", "Appendix 1", "The Euler transformation matrix 3-1-3",
+        appendices.check_rotation,
+        "its {elements} elements differ by {difference:.1g} at most from R_z(ψ) R_x(θ) R_z(φ)",
+        lambda v: v.difference < 1e-14),
+    Claim("inertial-terms", "Appendix 2", "a1 to c3: the part's inertia by its Euler angles",
+        appendices.check_inertia,
+        "{right} of {terms} terms are those of the kinetic energy; wrong: {wrong}",
+        lambda v: v.right == v.terms,
+        "a cosine too many: c1 = Izz cos θ and c3 = Izz, else the inertia is not symmetric"),
+    Claim("momentum-lines", "Appendix 2, (35)", "M_ψ, M_θ and M_φ change by the torques alone",
+        appendices.check_momenta,
+        "∂K/∂θ of the cam, tilted by {tilt:g} rad at 1000 r/min: {left_out:.2g} N m", Verdict.NOT_MET,
+        "the last three lines leave out ∂K/∂q of (11); the other twelve hold, with 1/Δt for each derivative"),
+    Claim("constraint-gradients", "Appendix 3", "The gradients of the constraints (16) to (30)",
+        appendices.check_gradients,
+        "{right} of {printed} printed entries are the derivatives of the printed constraints; wrong: {wrong}",
+        lambda v: v.right == v.printed,
+        "∂C4/∂φ1 = −Sθ1 Sφ1: a sign is lost. Also l is called L_c, and the valve's angles have the index 2"),
+    Claim("missing-gradients", "Appendix 3, (36)", "The matrix is that of the whole model",
+        appendices.find_cam_torque,
+        "{missed} entries are missing: {missing}; so are all ten of the spring masses' guides",
+        lambda v: v.missed == 0,
+        "without the column of ψ2 the contact turns no cam: {load:.0f} N and {torque:.2f} N m at 135°. The "
+        "factor of (36) belongs there"),
+    Claim("straight-ranks", "Appendix 3", "The gradients hold bearing (4) and guide (5)",
+        appendices.find_ranks,
+        "where the parts stand straight (θ = 0) their ranks are {bearing} and {guide}", Verdict.CANNOT,
+        "the singularity of 3-1-3 angles, in the guide too"),
+    Claim("joint-offsets", "(16), (17), (20)", "x1 = l(CψCφ − SψCθSφ), y1 alike: the joint's offset l",
+        appendices.swing_axis,
+        "a turn of the shaft carries its centre {travel:m.0f} mm to and fro, with l = {length:m.0f} mm",
+        Verdict.CANNOT, "the offset points along x and y of the part; it belongs along the joint's axis"),
 )

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from reproduction import SOURCES, load_publication
 from reproduction.__main__ import app
 from reproduction.publication import JSON
-from reproduction.statement import Claim, Numbers, Verdict, format_numbers
+from reproduction.statement import Claim, Numbers, Verdict, format_numbers, state_verdict
 
 DOCS = Path(__file__).parents[2] / "docs"
 # A larger figure does not belong into a repository.
@@ -111,6 +111,6 @@ def test_a_claim_is_judged_by_its_criterion(stated: float, verdict: Verdict) -> 
 
 
 def test_a_missing_number_is_an_error() -> None:
-    claim = Claim[float]("key", "2.1", "text", lambda runs: {}, "{absent}", Verdict.CANNOT)
+    claim = state_verdict("key", "2.1", "text", "{absent}", Verdict.CANNOT)
     with pytest.raises(KeyError, match="absent"):
         claim.judge(1.0)

@@ -1,28 +1,14 @@
-"""F's statements on its equations, walls, forces and motions, in its order; misprints are left out."""
+"""F's statements: the motions of F's engine, and F's discussion."""
 
 from functools import partial
 
 from models.slider_crank.motions.classification import CHAOTIC, PERIODIC, TRANSIENT_CHAOS
-from models.slider_crank.motions.regions import TURN
 
-from ..statement import Claim, Verdict, is_near, is_rising
+from ..statement import Claim, Verdict, is_rising, state_verdict
 from . import derivation, force, impacts, motions
-from .both_forms import BothForms, of_kind, of_symmetry
+from .both_forms import BothForms, of_kind
 from .runs import HIGH_DAMPINGS, LOW_DAMPINGS, Case, Runs, list_cases
 
-# Central differences in `lagrange` leave 1e-9.
-ROUNDING = 1e-7
-# Read from a printed graph, an angle is good to about so much (rad).
-GRAPH = 0.02
-# What "approximately" may be about an angle that F names by 0, pi and 2 pi (rad).
-ABOUT = 0.15
-# F's intervals are "typically small": below this part of a revolution.
-SMALL = 0.05
-# What F says of half a turn.
-EVEN = (
-    "false: f(τ) has the term in sin 2τ, which does not change its sign in half a turn. What holds at λ = 0, "
-    "for every ρ, is f_u(−θ) = f_l(θ)"
-)
 # Two states of one motion differ at the print's resolution if by more than this part of their range.
 PRINTED = 0.005
 UNKNOWN_START = (
@@ -37,114 +23,9 @@ MATRIX_KINDS = (
     TRANSIENT, SUSTAINED, SUSTAINED,
 )  # fmt: skip
 
+
 # fmt: off
 CLAIMS: tuple[Claim[Runs], ...] = (
-    BothForms("three-types", "Abstract", "Three types of response: chaotic, transient chaos, periodic",
-        motions.count_kinds, "of the 18 pairs (λ, ρ) at e = 0.9: {each}", lambda v: v.least > 0),
-    BothForms("chaos-prevails", "Abstract, 5",
-        "Chaos is prevalent at high speed or low friction with nearly ideal impacts; periodic motion at low "
-        "speed or low e", motions.count_chaotic,
-        "chaotic: {fast} of 9 at λ ≤ 0.075, e = 0.9; {slow} of 9 at λ ≥ 0.15; {soft} of 9 at e = 0.5",
-        lambda v: v.fast > max(9 / 2, v.slow, v.soft),
-        "prevalent: more than half of the cases. As published λ = 0.15 and 0.20 are as chaotic as small λ"),
-    Claim("gravity", "2.1", "Gravity may be ignored when the crank speed is sufficiently large",
-        derivation.compute_engine,
-        "g/(rΩ²) = {gravity_slow:.3f} at 600 r/min, {gravity_fast:.4f} at 3000 r/min",
-        lambda v: v.gravity_fast < 0.01),
-    Claim("rod-rotation", "2.2, (2.1)", "The angular velocity of the connecting rod is φ̇ + ψ̇",
-        derivation.compute_rates,
-        "by F's own displacements the rod turns with {seen:.4f} where φ' = {phi_rate:.4f} and ψ' = 0.2: φ' "
-        "− ψ', not φ' + ψ' = {wrong:.4f}", Verdict.CANNOT,
-        "the rod's angle is φ − ψ. The error puts −β for +β into f(τ), a factor of (ξ³ − ξ) sin τ/Λ³ of "
-        "{published:.4f} for {corrected:.4f}: the whole difference between the two forms"),
-    Claim("friction-moment", "2.2, (2.6)",
-        "The friction moment is −c₂(−θ̇ − φ̇ + ψ̇), proportional to the rate of the rod relative to the "
-        "crank", derivation.compute_rates,
-        "relative rate from the positions {relative:.6f}, θ' + φ' − ψ' = {stated:.6f}",
-        lambda v: abs(v.relative - v.stated) < ROUNDING,
-        "it uses the rod's rate φ̇ − ψ̇, against (2.1)"),
-    Claim("equation-2-10", "(2.10)", "The dimensionless equation of motion follows by Lagrange's method",
-        derivation.compare_equations,
-        "differs by {own:.0e} from Lagrange's equation of F's energy with φ' + ψ', by up to {rod:.3f} from "
-        "that with the rod's rate φ' − ψ'", lambda v: v.own < ROUNDING,
-        "a right derivation from a wrong energy"),
-    Claim("equation-2-13", "(2.13)",
-        "Linear in ψ the equation is a ψ'' + b ψ' + c(τ) ψ = f(τ), with these a, b, c, f",
-        derivation.compare_equations,
-        "differs from (2.10) by up to {small:.1e} at ψ = 0.01 and {large:.1e} at 0.02: ratio {growth:.2f}, "
-        "second order", lambda v: 3.8 < v.growth < 4.2, "a right linearization of the published equation"),
-    Claim("speed-in-lambda", "2.4", "Only λ depends on the crank speed: to vary λ is to vary the speed",
-        derivation.compare_equations,
-        "with c₂ ∝ Ω the moments over Ω² at 10 and 300 rad/s are the same to {speed:.0e}",
-        lambda v: v.speed < 1e-12,
-        "if e does not depend on the impact velocity"),
-    Claim("wall-angles", "(2.14), (A.4)", "For |ψ| ≪ 1, ψ_max = ρ/√(1 − ξ² sin²τ)", derivation.check_walls,
-        "off by at most {off:.2f%} of ρ from sin(φ − ψ) = sin φ − ρ at ρ = 0.010, 0.015, 0.020",
-        lambda v: v.off[2] < 0.01 and is_near(v.off[2] / v.off[0], 2.0, 0.025)),
-    Claim("impact-rule", "(2.16), (2.17)",
-        "ẏ_s after = −e ẏ_s before gives ψ̇ after = (1+e) ξ² sin τ cos τ/Λ² ψ − e ψ̇ before",
-        derivation.check_walls,
-        "velocities relative to the wall after and before are in the ratio −e to {fault:.0e}",
-        lambda v: v.fault < 1e-15),
-    Claim("when-it-slides", "2.6",
-        "Sliding occurs when the friction is large or the coefficient of restitution small",
-        derivation.measure_sliding,
-        "share of the time in which it slides: (0.05, 0.01): {plain:.0f%}, λ = 0.25: {damped:.0f%}, e = "
-        "0.5: {soft:.0f%}", lambda v: v.plain == 0.0 < min(v.damped, v.soft)),
-    BothForms("four-regions", "2.6",
-        "There are four kinds of crank angles: sliding on the upper wall only, lower only, either, neither",
-        force.divide_turn, "rad of a turn at (0.1, 0.01): {each}", lambda v: v.least > 0.0),
-    Claim("equation-2-27", "(2.27), (2.29)",
-        "… − β(φ'' − ψ'') = −f_u cos(φ−ψ) + … in (2.27), … + β(φ'' + ψ'') … in (2.29)",
-        derivation.compare_equations,
-        "(2.27) differs by up to {own_2_27:.3f} from Lagrange's equation of F's energy (2.5) and by "
-        "{rod_2_27:.0e} from that with the rod's right rate φ' − ψ'", Verdict.CANNOT,
-        "(2.27) is right, printed once and not used: all figures follow from (2.10) and (2.29)"),
-    of_symmetry("symmetry-i", "ρ = 0, λ = 0: (i) f_u = −f_l", 0.0, 0.0),
-    of_symmetry("symmetry-ii", "ρ = 0, λ = 0: (ii) f_u(θ + π) = −f_u(θ)", 0.0, 0.0, reason=EVEN),
-    of_symmetry("symmetry-i-damped", "ρ = 0, λ ≠ 0: (i) holds", 0.05, 0.0),
-    of_symmetry("symmetry-ii-damped", "ρ = 0, λ ≠ 0: (ii) is broken", 0.05, 0.0, True, "also without λ"),
-    of_symmetry("symmetry-i-gap", "ρ ≠ 0, λ = 0: (i) is broken", 0.0, 0.02, True),
-    of_symmetry("symmetry-ii-gap", "ρ ≠ 0, λ = 0: (ii) holds", 0.0, 0.02, reason=EVEN),
-    BothForms("figure-2-4", "2.6, Fig. 2.4",
-        "(0.01, 0.01): the forces change direction at two crank angles; sliding on the upper wall from "
-        "about 0 to π, on the lower from π to 2π", force.find_changes_of_sign,
-        "{upper_changes} changes of sign on the upper wall, {lower_changes} on the lower; may slide: upper "
-        "wall {upper}, lower {lower}", lambda v: 0.0 < v.off < ABOUT,
-        "with the right sign the wall force changes side four times a revolution at high speed"),
-    BothForms("longer-upper", "2.6, Figs. 2.4-2.6",
-        "As λ increases, the force on the upper wall increases and its sliding region is extended (ρ = 0.01)",
-        force.compare_dampings,
-        "rad of a turn at λ = 0.01, 0.1, 0.25: {spans:.3f}; the force grows at {where}",
-        lambda v: v.grows and v.spans[0] < v.spans[1] <= v.spans[2]),
-    BothForms("asymmetry", "2.6", "f_u = −f_l only for ρ = 0; f_u + f_l deviates from zero as ρ increases",
-        force.compare_gaps, "largest |f_u + f_l| at ρ = 0, 0.01, 0.02: {sums:.5f}",
-        lambda v: v.sums[0] < 1e-12 < v.sums[1] < v.sums[2]),
-    BothForms("figure-2-7", "2.6, Fig. 2.7",
-        "λ = 0.267, ρ = 0.02: upper wall over the entire cycle, and the lower too for 4.96 < θ < 5.14",
-        force.find_holding_intervals, "upper wall {upper}, lower wall {lower}",
-        lambda v: max(abs(v.begin - 4.96), abs(v.end - 5.14)) < GRAPH and not v.upper_changes,
-        "as read from a graph; (2.29) not linearized, at F's linear walls, gives "
-        "{mixed[0]:.3f}-{mixed[1]:.3f}, nearer to the printed numbers"),
-    BothForms("near-crossings", "2.6, Fig. 2.8",
-        "At the crossing that continues θ = π either wall can hold the roller, at that of 2π neither, for "
-        "all (λ, ρ) with crossings; the intervals are typically small",
-        force.measure_crossings, "{words}", lambda v: v.least > 0.0 and v.most < SMALL * TURN),
-    BothForms("figure-2-8", "2.6, Fig. 2.8",
-        "(0.1, 0.01): first an interval with sliding on either wall, then one with sliding on neither",
-        force.find_crossings, "{pairs} ({kinds})", lambda v: v.kinds == ["either", "neither"]),
-    BothForms("figure-2-9", "2.6, Fig. 2.9",
-        "λ = 0.35: the roller may slide along the upper wall throughout the cycle and will never release",
-        force.count_releases, "least force {least:.4f}; {releases} releases in 100 cycles",
-        lambda v: v.least > 0.0 and v.releases == 0, "F does not give the figure's ρ; 0.01 taken"),
-    BothForms("figure-2-10", "2.6, Fig. 2.10",
-        "Regions: I for Figs. 2.4, 2.5, 2.6; II for Fig. 2.7; III for Fig. 2.9",
-        force.assign_regions, "{each}", lambda v: v.right),
-    BothForms("thresholds", "2.6, Fig. 2.10", "Region II lies between I and III and grows with ρ",
-        force.find_thresholds,
-        "λ = {zero:.5f} as ρ → 0; at ρ = 0.02 I ends at {first:.5f} and III begins at {second:.5f}",
-        lambda v: v.first < v.zero < v.second,
-        "with the right sign less than half of the friction holds the roller on the upper wall for good"),
     Claim("ratios", "4.1", "The engine's masses and lengths give ξ = 0.3030, α = 1.9000, β = 0.4719",
         derivation.compute_engine, "ξ = {xi:.4f}, α = {alpha:.4f}, β = {beta:.4f}", lambda v: v.good,
         "β within what the printed digits of I_r and M leave open"),
@@ -178,8 +59,24 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "corrected, this case is transient chaos: it slides in the end, and repeats"),
     BothForms("fractal", "4.2, Figs. 4.4, 4.5", "Two magnifications show the fractal nature of the attractor",
         motions.compute_dimension, "{words}", lambda v: 1.0 < v.dimension < 2.0),
+    BothForms("descending-series", "4.2",
+        "Impacts move from lobe to lobe, from the upper left to the lower right: each slower than the one "
+        "before", impacts.count_descending,
+        "{slower:.1f%} of the {pairs} upper impacts that follow another in the same cycle are slower than it",
+        lambda v: v.slower > 0.9, "as a rule: more than 90 %"),
+    BothForms("several-lobes", "4.2, Fig. 4.3",
+        "The attractor is composed of several lobes, some of them distinct",
+        impacts.count_lobes, "{words}", lambda v: v.lobes > 1,
+        "distinct in crank angle, to half a degree"),
+    state_verdict("gap-misprint", "4.3", "The matrix has ρ = 0.01, 0.015, 0.2",
+        "figures, captions and text that follow have ρ = 0.020", Verdict.CANNOT,
+        "a misprint: with ρ = 0.2, |ψ| reaches 12°"),
     BothForms("matrix-kinds", "4.3", "All three types of response occur in the 3 × 3 matrix",
         motions.count_kinds, "{low}", lambda v: v.low_kinds == 3),
+    state_verdict("listed-twice", "4.3",
+        "Transient chaos at (0.025, 0.01), (0.025, 0.01), 0.015), and (0.075, 0.01) (Figs. 4.6, 4.7, 4.12)",
+        "Fig. 4.7 is (0.025, 0.015)", Verdict.CANNOT,
+        "a pair stands twice; the second is (0.025, 0.015)"),
     *(
         of_kind(f"4.3, Fig. 4.{number}", f"{case} {words}", case, kind, reason)
         for number, case, (words, kind, reason) in zip(
@@ -192,6 +89,11 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "{chaotic}, others {other}", lambda v: v.least_chaotic > v.most_other,
         "of 3000 cycles, or of one period after the transient. Chaos in narrow bands, as at (0.15, 0.01), "
         "wears in spots too; corrected, long periods with slides wear as evenly as chaos"),
+    BothForms("background", "4.3",
+        "In transient chaos the uniform background of the distribution decreases with the length of the "
+        "sample", impacts.measure_background,
+        "(0.075, 0.01): {shares[0]:.1f%} of the impacts of 1500 cycles and {shares[1]:.1f%} of 3000 are of "
+        "the transient ({length} cycles)", lambda v: v.shares[1] < v.shares[0]),
     BothForms("faster-with-gap", "4.3, 5",
         "As a general rule the average impact velocities increase with the gap",
         impacts.compare_gaps, "mean velocity at ρ = 0.010, 0.015, 0.020: {speeds}", lambda v: v.faster,
@@ -206,6 +108,16 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "{differences:+.4f}; lower wall hit harder at {wrong}",
         lambda v: v.wrong == "none" and is_rising(v.differences),
         "by the mean; the upper wall has many small impacts"),
+    BothForms("upper-worn", "4.3, Figs. 4.6-4.14", "The same, of the profiles' areas",
+        partial(impacts.compare_walls, dampings=LOW_DAMPINGS),
+        "velocities per cycle, upper wall over lower, at λ = 0.025, 0.05, 0.075: {ratios:.2f}",
+        lambda v: min(v.ratios) > 1.0 and is_rising(v.ratios),
+        "the bars of (3.6) weigh the velocities by the number of impacts"),
+    BothForms("slow-impacts", "4.3", "In all cases there are regions of very small impact velocities",
+        impacts.find_slowest,
+        "{slow} of {cases} cases have impacts slower than {limit}; the slowest are {low:.0e} to "
+        "{high:.0e}{others}", lambda v: v.slow == v.cases,
+        "very small: below a tenth of the mean"),
     BothForms("slight-changes", "4.3",
         "Very slight changes of the parameters render the periodic motions chaotic",
         motions.vary_gap, "(0.05, 0.015) with ρ changed by {each}",
@@ -257,6 +169,12 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         impacts.count_lower,
         "{count} impacts on the lower wall in 300 cycles each at λ = 0.25, 0.26, 0.28, 0.35 and F's gaps",
         lambda v: v.count == 0, "although the force presses to the lower wall in a part of the cycle"),
+    BothForms("lower-wall-trend", "4.4",
+        "As λ increases the impacts on the lower wall become more limited in place, more severe, and shift "
+        "to the head end",
+        impacts.follow_lower, "5 to 95 % of the lower impacts, mean velocity: {each}",
+        lambda v: v.narrower and v.harder and v.higher,
+        "all gaps together; first against last λ with such impacts"),
     BothForms("lower-region", "4.4",
         "As λ increases, the region where the moment presses to the lower wall becomes smaller and moves "
         "towards θ = 0", force.follow_lower_region,
@@ -268,6 +186,12 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         "Beyond a critical λ, depending on ρ, no net moment pushes to the lower wall at any crank angle",
         force.find_thresholds, "λ = {lower:.4f} at ρ = 0.010, 0.015, 0.020",
         lambda v: v.lower[0] != v.lower[1] != v.lower[2]),
+    state_verdict("wrong-figures", "4.4",
+        "For (0.05, 0.02): Poincaré maps Figs. 4.21, 4.38, 4.39, distributions Figs. 4.8, 4.40, 4.41",
+        "Fig. 4.21 is (0.075, 0.02), Fig. 4.8 is (0.025, 0.02); the captions of 4.40 and 4.41 say λ = 0.025",
+        Verdict.CANNOT,
+        "text and captions contradict each other; the distribution of (0.05, 0.02), e = 0.9, is Fig. 4.11. "
+        "Figs. 4.40 and 4.41 are drawn for the caption's λ and for the text's"),
     BothForms("more-sliding", "4.4",
         "As e is reduced motions increase their sliding duration and become periodic, over all λ and ρ",
         motions.compare_restitutions,
@@ -299,4 +223,18 @@ CLAIMS: tuple[Claim[Runs], ...] = (
         motions.count_starts,
         "(0.025, 0.01), {starts} starts: {short} would be periodic for most of 3000 cycles, {long} chaotic "
         "throughout", lambda v: v.short > 0 and v.long > 0),
+    BothForms("fewer-impacts", "5",
+        "Increases in sliding duration are typically correlated with fewer impacts per cycle",
+        motions.correlate_sliding,
+        "correlation of sliding share and impacts per cycle {value:+.2f} (54 cases, F's threshold)",
+        lambda v: v.value < 0.0,
+        "with F's threshold, as every slide begins with infinitely many impacts"),
+    state_verdict("averages-lost", "5",
+        "An integral average measure cannot be obtained from the pattern of the Poincaré map",
+        "(3.6) of the upper wall is the sum of x₂ over the points of Σ by θ", Verdict.NOT_MET,
+        "the map's points hold angle and velocity of every upper impact"),
+    state_verdict("four-dimensions", "5",
+        "The Poincaré map of a model with two degrees of freedom is four-dimensional",
+        "two angles, two rates and the crank angle, less one by the impact's condition: 4",
+        Verdict.MET),
 )
