@@ -1,7 +1,7 @@
 """Components that only their own implicit steps move, in every part of the orchestrator.
 
 They run as FMUs and from checkpoints, count energies, give up steps that do not converge, and are analysed by
-their responses.
+their responses. Scenarios do not meet those of their states that are no variables.
 """
 
 from dataclasses import replace
@@ -31,8 +31,10 @@ from orchestrator.participants.open_fmu import open_fmu
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.run.plan import ParticipantPlan
-from orchestrator.scenario import Scenario, build_scenario
-from orchestrator.scenario.system import Builder, build_system
+from orchestrator.scenario import Scenario, ScenarioError, build_scenario
+from orchestrator.scenario.checks import list_required_variables
+from orchestrator.scenario.schema import describe_component
+from orchestrator.scenario.system import Builder, build_system, resolve_start
 from orchestrator.stepping import ControlledSteps, StepControl
 from tests.models.fluid_layer import fluid_layer
 
@@ -176,7 +178,8 @@ def catalogued(monkeypatch):
     monkeypatch.setitem(CATALOGUE, "stepped_layer", stepped_layer)  # type: ignore[arg-type]
 
 
-def scenario(layer: str, **changes: object) -> Scenario:
+def scenario(layer: str, layer_start: dict[str, float] | None = None, **changes: object) -> Scenario:
+    """With these start values of the layer."""
     own = {"participant": "in-process"}
     tables = {
         "name": "dragged",
@@ -186,7 +189,7 @@ def scenario(layer: str, **changes: object) -> Scenario:
         "start": "given",
         "components": {
             "plate": {"component": "sprung_mass", "parameters": SPRING, "start": START, **own},
-            "layer": {"component": layer, "structure": {"sheets": FEW}, **own},
+            "layer": {"component": layer, "structure": {"sheets": FEW}, "start": layer_start or {}, **own},
         },
         "connections": [f"{source} -> {target}" for source, target in LINES],
     }
@@ -240,3 +243,33 @@ def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written
     ):
         run(scenario("stepped_layer"), out, BUILD, Reporter(), figures=False)
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("state", "said"),
+    [
+        # Also where it is set to what it starts with: it is not the user's to set.
+        ("sheet_velocity[2]", r"layer\.start\.sheet_velocity\[2\]: .*sets this state itself.*leave it out"),
+        ("sheet_velocity", "no such state; known: impulse"),
+    ],
+)
+def test_an_internal_state_has_no_start_in_a_scenario_nor_in_its_answers(state, said):
+    with pytest.raises(ScenarioError, match=said):
+        scenario("fluid_layer", {state: 0.0})
+
+
+def test_the_schema_knows_no_internal_state_and_the_least_size_of_each_component():
+    table = describe_component("fluid_layer")["properties"]
+    assert list(table["start"]["properties"]) == ["impulse"]
+    assert "patternProperties" not in table["start"]
+    assert table["structure"]["properties"]["sheets"]["minimum"] == 0
+    spring = describe_component("valve_spring")["properties"]["structure"]["properties"]
+    assert spring["coil_masses"]["minimum"] == 1
+
+
+def test_an_equilibrium_leaves_internal_states_as_they_start():
+    """And gives participants start values of the others alone, as only these are variables of an FMU."""
+    one = scenario("fluid_layer", start="equilibrium")
+    resting = resolve_start(one, build_system(one))
+    assert list(resting.instances["layer"].start) == ["impulse"]
+    assert "sheet_velocity_start[1]" not in list_required_variables("layer", resting, "equilibrium")

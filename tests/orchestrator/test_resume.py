@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from io import StringIO
 from pathlib import Path
 from unittest.mock import Mock
@@ -193,47 +194,46 @@ def test_a_run_says_where_it_goes_on_and_once_that_processor_or_blas_are_others(
     assert "the last digits may differ" in said[0]
 
 
-def test_a_damaged_checkpoint_is_refused(killed):
-    path = killed / "unfinished" / "checkpoint"
-    data = path.read_bytes()
-    path.write_bytes(data[:2000] + bytes([data[2000] ^ 1]) + data[2001:])
-    _refused(killed, "checkpoint: the checkpoint is damaged")
-    path.write_bytes(b"something else\n" + data)
-    _refused(killed, "is not a checkpoint of this version")
-    path.write_bytes(b"")
-    _refused(killed, "is not a checkpoint of this version")
+def _spoil(data: bytes, at: int, by: bytes = b"") -> bytes:
+    """With a flipped bit there, or these bytes."""
+    by = by or bytes([data[at] ^ 1])
+    return data[:at] + by + data[at + len(by) :]
 
 
-def test_lost_records_are_noticed_and_may_be_put_back(killed, whole):
-    journal = killed / "unfinished" / "coupled.journal"
-    rows = journal.read_bytes()
-    journal.write_bytes(rows[: rows.index(b"\n") + 1])
-    _refused(killed, "coupled.journal: has 0 rows, of .* at the checkpoint")
-    journal.unlink()
+def _begin(journal: bytes) -> int:
+    """Of its rows."""
+    return journal.index(b"\n") + 1
+
+
+CHECKPOINT, JOURNAL, STOP = "unfinished/checkpoint", "unfinished/coupled.journal", b"stop_time = 0.004"
+SPOILT: list[tuple[str, Callable[[bytes], bytes], str]] = [
+    (CHECKPOINT, lambda data: _spoil(data, 2000), "checkpoint: the checkpoint is damaged"),
+    (CHECKPOINT, lambda data: b"something else\n" + data, "is not a checkpoint of this version"),
+    (CHECKPOINT, lambda data: b"", "is not a checkpoint of this version"),
+    (JOURNAL, lambda data: data[: _begin(data)], "coupled.journal: has 0 rows, of .* at the checkpoint"),
+    (JOURNAL, lambda data: _spoil(data, _begin(data) + 100), "coupled.journal: damaged: its .* rows up to"),
+    (
+        JOURNAL,
+        lambda data: _spoil(data, _begin(data), bytes(64)),
+        "coupled.journal: damaged: its .* rows up to",
+    ),
+    ("scenario.toml", lambda data: data.replace(STOP, b"stop_time = 0.005"), "begun with; undo the change"),
+]
+
+
+def test_what_is_spoilt_or_lost_is_noticed_and_may_be_put_back(killed, whole):
+    """Checkpoint, scenario and what is before it are as they were written, or the run does not go on."""
+    for name, spoil, said in SPOILT:
+        kept = (killed / name).read_bytes()
+        (killed / name).write_bytes(spoil(kept))
+        _refused(killed, said)
+        (killed / name).write_bytes(kept)
+    kept = (killed / JOURNAL).read_bytes()
+    (killed / JOURNAL).unlink()
     _refused(killed, "coupled.journal: cannot be read")
-    journal.write_bytes(rows)
+    (killed / JOURNAL).write_bytes(kept)
     assert resume(killed, build_fmu, quiet(), figures=False).complete
     assert_same_run(killed, whole)
-
-
-@pytest.mark.parametrize("damage", ["a flipped bit", "zeros"])
-def test_records_that_have_changed_are_noticed(killed, damage):
-    """What is before the checkpoint is as it was written, or the run does not go on."""
-    journal = killed / "unfinished" / "coupled.journal"
-    rows = bytearray(journal.read_bytes())
-    begin = rows.index(b"\n") + 1
-    if damage == "zeros":
-        rows[begin : begin + 64] = bytes(64)
-    else:
-        rows[begin + 100] ^= 1
-    journal.write_bytes(rows)
-    _refused(killed, "coupled.journal: damaged: its .* rows up to the checkpoint")
-
-
-def test_a_changed_scenario_is_refused(killed):
-    path = killed / "scenario.toml"
-    path.write_text(path.read_text().replace("stop_time = 0.004", "stop_time = 0.005"))
-    _refused(killed, "scenario.toml: is not what the run was begun with; undo the change")
 
 
 def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed, whole):

@@ -233,29 +233,65 @@ def test_a_package_is_written_as_a_scenario(tmp_path, files):
     assert one.model_copy(update=plain) == other.model_copy(update=plain)
 
 
-REFUSED = {
+PARTS = component("decay", "dahlquist", DECAY | {"y": "output"}) + component("vector", "vector", VECTOR)
+TRANSFORMED = (
+    '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
+    "</ssc:BooleanMappingTransformation>"
+)
+CIRCLE = system("s", {"a": "inout", "b": "inout"}, PARTS, connection(".a", ".b"))
+
+
+def _source(new: str, old: str = "resources/dahlquist") -> dict[str, str]:
+    """The parts, with another source of the decay."""
+    return {"elements": PARTS.replace(old, new)}
+
+
+def _joined(*ends: str, inside: str = "", times: int = 1) -> dict[str, str]:
+    """The parts, with that connection so often."""
+    return {"connections": times * connection(*ends, inside)}
+
+
+# What a package has instead of the parts alone, and what is said of it.
+REFUSED: dict[str, tuple[dict[str, str], str]] = {
     "start": ({"experiment": 'startTime="1" stopTime="2"'}, r"startTime = 1 s: runs begin at 0"),
-    "type": ({"replace": ("x-fmu-sharedlibrary", "x-table")}, "components are FMUs or SSP systems here"),
-    "itself": ({"replace": ('x-fmu-sharedlibrary" source="resources/dahlquist.fmu',
-                            'x-ssp-definition" source="SystemStructure.ssd')}, "contains itself"),
-    "elsewhere": ({"replace": ("resources/dahlquist", "https://host/dahlquist")}, "not in this package"),
-    "outside": ({"replace": ("resources/dahlquist", "../dahlquist")}, "not in this package"),
-    "outside on Windows": ({"replace": ("resources/dahlquist", r"..\dahlquist")}, "not in this package"),
-    "lost": ({"replace": ("resources/dahlquist", "resources/other")}, r"other.fmu is not in the package"),
-    "text": ({"bound": binding({"k": 'String value="much"'})}, "k is a String in the set, but not in"),
-    "unit": ({"bound": binding({"real in": 'Real value="1" unit="K"'})}, "K does not fit"),
+    "type": (_source("x-table", "x-fmu-sharedlibrary"), "components are FMUs or SSP systems here"),
+    "itself": (
+        _source('x-ssp-definition" source="SystemStructure.ssd',
+                'x-fmu-sharedlibrary" source="resources/dahlquist.fmu'),
+        "contains itself",
+    ),
+    "elsewhere": (_source("https://host/dahlquist"), "not in this package"),
+    "outside": (_source("../dahlquist"), "not in this package"),
+    "outside on Windows": (_source(r"..\dahlquist"), "not in this package"),
+    "lost": (_source("resources/other"), r"other.fmu is not in the package"),
+    "text": (
+        {"elements": component("decay", "dahlquist", DECAY, binding({"k": 'String value="much"'}))},
+        "k is a String in the set, but not in",
+    ),
+    "unit": (
+        {"elements": component("a", "feedthrough", THROUGH, binding({"real in": 'Real value="1" unit="K"'}))},
+        "K does not fit",
+    ),
+    # Between a system inside and that around it; a value would go round without end.
+    "circle": (
+        {"elements": CIRCLE, "connections": connection("s.b", "s.a"),
+         "inside": bindings(binding({"s.a": 'Real value="1"'}))},
+        r"s\.a: its connections lead back to it; take one out",
+    ),
+    "table": (_joined("decay.x", "vector.u[1]", inside=TRANSFORMED), "has 1 entries; give it all that occur"),
+    "twice": (_joined("decay.x", "vector.u[1]", times=2), "two sources"),
+    "element": (_joined("decoy.x", "vector.u[1]"), "names no element 'decoy'"),
+    "parameter": (_joined("vector.y[1]", "decay.k"), "only inputs are connected here"),
+    "output": (
+        _joined("decay.y", "vector.u[1]"),
+        r"from decay\.y to vector\.u\[1\]: decay has no output 'y'; .*\bx\b",
+    ),
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("case", REFUSED)
-def test_what_is_not_supported_is_refused_by_name(case, tmp_path, files):
-    how, said = REFUSED[case]
-    how = dict(how)
-    old, new = how.pop("replace", ("", ""))
-    bound = how.pop("bound", "")
-    fits = "feedthrough" if case == "unit" else "dahlquist"
-    element = component("decay", fits, THROUGH if case == "unit" else DECAY, bound).replace(old, new)
-    path = package(tmp_path / "a.ssp", element, files=files, after=UNITS, **how)
+@pytest.mark.parametrize(("changes", "said"), REFUSED.values(), ids=REFUSED)
+def test_what_is_not_supported_is_refused_by_name(changes, said, tmp_path, files):
+    path = package(tmp_path / "a.ssp", **{"elements": PARTS} | changes, files=files, after=UNITS)
     with pytest.raises(ValueError, match=said):
         load(path)
 
@@ -289,44 +325,6 @@ def test_a_damaged_file_is_named_where_another_is_no_number(tmp_path, files):
         archive.writestr("A.ssv", "<open")
     with pytest.raises(ValueError, match=r"b\.ssp: not as SSP has it: A\.ssv: .*; correct"):
         load(tmp_path / "b.ssp")
-
-
-def test_connections_in_a_circle_are_named(tmp_path, files):
-    """Between a system inside and that around it; a value would go round without end."""
-    decay = component("decay", "dahlquist", DECAY)
-    inner = system("s", {"a": "inout", "b": "inout"}, decay, connection(".a", ".b"))
-    bound = bindings(binding({"s.a": 'Real value="1"'}))
-    path = package(tmp_path / "a.ssp", inner, connection("s.b", "s.a"), inside=bound, files=files)
-    with pytest.raises(ValueError, match=r"s\.a: its connections lead back to it; take one out"):
-        load(path)
-
-
-TRANSFORMED = (
-    '<ssc:BooleanMappingTransformation><ssc:MapEntry source="true" target="false"/>'
-    "</ssc:BooleanMappingTransformation>"
-)
-
-
-@pytest.mark.parametrize(
-    ("connected", "said"),
-    [
-        (connection("decay.x", "vector.u[1]", TRANSFORMED), "has 1 entries; give it all that occur"),
-        (2 * connection("decay.x", "vector.u[1]"), "two sources"),
-        (connection("decoy.x", "vector.u[1]"), "names no element 'decoy'"),
-        (connection("vector.y[1]", "decay.k"), "only inputs are connected here"),
-        (
-            connection("decay.y", "vector.u[1]"),
-            r"from decay\.y to vector\.u\[1\]: decay has no output 'y'; .*\bx\b",
-        ),
-    ],
-)
-def test_connections_that_are_not_supported_are_refused(connected, said, tmp_path, files):
-    elements = component("decay", "dahlquist", DECAY | {"y": "output"})
-    path = package(
-        tmp_path / "a.ssp", elements + component("vector", "vector", VECTOR), connected, files=files
-    )
-    with pytest.raises(ValueError, match=said):
-        load(path)
 
 
 def test_what_is_no_package_is_refused(tmp_path):

@@ -159,7 +159,7 @@ def test_whatever_is_changed_comes_back_to_the_last_bit(changes, first, second, 
 
 
 def test_third_party_fmus_go_and_come_back(tmp_path):
-    """Each file once, byte for byte; factors, starts, elements, and the results."""
+    """Each file once, byte for byte; factors, starts, elements, texts, and the results."""
     one = fmu("dahlquist", 2, tmp_path)
     tables = {
         "decay": {"participant": one, "parameters": {"k": 3.0}, "start": {"x": 0.1}, "process": "own"},
@@ -168,6 +168,10 @@ def test_third_party_fmus_go_and_come_back(tmp_path):
             "participant": fmu("feedthrough", 3, tmp_path),
             "parameters": {"negate": True, "count": 2},
             "inputs": {"whole_in": 4.0},
+        },
+        "table": {
+            "participant": fmu("reading", 3, tmp_path),
+            "parameters": {"table file": "µ/a \"b\" 'c' \\ #.csv", "scale": 2.0},
         },
     }
     lines = ["decay.x * 0.1 - 7.0 -> thru.real in"]

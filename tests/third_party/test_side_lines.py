@@ -1,6 +1,7 @@
 """Connections of strings and binary values, and of whole numbers, enumerations and truth values by type."""
 
 import csv
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from orchestrator.engine.step import Step
 from orchestrator.participants.protocol import Abilities
-from orchestrator.run.record import TextRecorder
+from orchestrator.run.record import FORMULA, TextRecorder
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
@@ -46,42 +47,50 @@ def test_texts_are_recorded(tmp_path):
     assert sorted(rows[1:]) == sorted(said)
 
 
-class Speaking:
-    """A side channel of a text that changes."""
+class Speaker:
+    """A recorder of a text that changes, by what it does."""
 
-    text = "flight"
+    def __init__(self, folder: Path) -> None:
+        self.text, self.file = "", folder / "texts.csv"
+        unit = SimpleNamespace(abilities=Abilities(side=self))  # type: ignore[arg-type]
+        coupling = SimpleNamespace(wiring=SimpleNamespace(names=("one",)), participants=[unit])
+        self.recorder = TextRecorder(self.file, {"one": ["state"]})
+        self.recorder.watch(coupling)  # type: ignore[arg-type]
 
     def get_texts(self, names: list[str]) -> list[str]:
         return [self.text] * len(names)
 
+    def say(self, time: float, text: str) -> None:
+        self.text = text
+        self.recorder.observe(time, np.zeros, Step(time, 0.1, 1))
+
 
 def test_texts_are_recorded_where_they_change_also_by_a_resumed_run(tmp_path):
-    unit = SimpleNamespace(abilities=Abilities(side=Speaking()))  # type: ignore[arg-type]
-    coupling = SimpleNamespace(wiring=SimpleNamespace(names=("one",)), participants=[unit])
-
-    def say(recorder, time, text):
-        unit.abilities.side.text = text  # type: ignore[union-attr]
-        recorder.observe(time, np.zeros, Step(time, 0.1, 1))
-
-    def record():
-        recorder = TextRecorder(tmp_path / "texts.csv", {"one": ["state"]})
-        recorder.watch(coupling)  # type: ignore[arg-type]
-        return recorder
-
-    first = record()
-    first.begin([])
+    first = Speaker(tmp_path)
+    first.recorder.begin([])
     for time, text in ((0.0, "flight"), (0.1, "flight"), (0.2, "contact")):
-        say(first, time, text)
-    state = first.state()
-    say(first, 0.3, "lost with the process")
-    first.end(False, "")
-    second = record()
-    second.resume([], state)
+        first.say(time, text)
+    state = first.recorder.state()
+    first.say(0.3, "lost with the process")
+    first.recorder.end(False, "")
+    second = Speaker(tmp_path)
+    second.recorder.resume([], state)
     for time, text in ((0.3, "contact"), (0.4, "flight")):
-        say(second, time, text)
-    second.end(True, "")
-    rows = (tmp_path / "texts.csv").read_text("utf-8").splitlines()
+        second.say(time, text)
+    second.recorder.end(True, "")
+    rows = second.file.read_text("utf-8").splitlines()
     assert rows[1:] == ["0.0,one.state,flight", "0.2,one.state,contact", "0.4,one.state,flight"]
+
+
+@pytest.mark.parametrize("text", ["=1+1", "+1", "-cmd|' /C calc'!A0", "@SUM(1)", "\t=1", "plain"])
+def test_no_text_of_an_fmu_is_a_formula_of_a_spreadsheet(text, tmp_path):
+    speaker = Speaker(tmp_path)
+    speaker.recorder.begin([])
+    speaker.say(0.0, text)
+    speaker.recorder.end(True, "")
+    cell = speaker.file.read_text("utf-8").splitlines()[1].split(",", 2)[2].strip('"')
+    assert not cell.startswith(FORMULA)
+    assert text in cell
 
 
 @pytest.mark.parametrize("process", ["shared", pytest.param("own", marks=pytest.mark.long)])

@@ -6,8 +6,6 @@ import pytest
 from fmus.fmi.validate import info
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
-from orchestrator.scenario.ssp.reader import read_package
-from orchestrator.scenario.ssp.writer import export
 from orchestrator.scenario.values import find_place
 from orchestrator.scenario.warnings import list_warnings
 
@@ -15,7 +13,7 @@ from .c_fmus import fmu
 from .described import describe2
 from .models import MODELS, Model, V
 from .public import public
-from .runs import never, ran, scenario
+from .runs import ran, scenario
 
 VERSIONS = (2, 3)
 TAKEN = "components.one.start.length = 0.002 mm: numbers without a unit are in the FMU's"
@@ -130,14 +128,6 @@ def test_a_text_arrives_in_utf_8(version, process, text, tmp_path):
     assert (found["one.first"][0], found["one.second"][0]) == (first, second)
     _, again = ran(load(tmp_path / "out" / "scenario.toml"), tmp_path / "again")
     np.testing.assert_array_equal(again["one.length"], found["one.length"])
-
-
-def test_texts_go_through_packages(tmp_path):
-    """SSP's ssv:String."""
-    table = {"participant": fmu("reading", 3, tmp_path), "parameters": {"table file": ODD, "scale": 2.0}}
-    package = tmp_path / "one.ssp"
-    export(scenario({"one": table}), package, never)
-    assert read_package(package)["components"]["one"]["parameters"] == table["parameters"]
 
 
 def test_structural_parameters_set_the_sizes_of_arrays(tmp_path):
