@@ -17,15 +17,23 @@ from models.oscillators.quarter_car import ChassisParameters, WheelParameters
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 
 
-def linear_motion(matrix: Vector, start: Vector, times: Vector, constant: Vector | None = None) -> Vector:
-    """x(t) of x' = matrix x + constant, x(0) = start, at `times`: (n, size), by the matrix exponential."""
-    size = start.size
-    whole = np.zeros((size + 1, size + 1))
-    whole[:size, :size] = matrix
-    if constant is not None:
-        whole[:size, size] = constant
+def linear_motion(
+    masses: Vector, stiffness: Vector, damping: Vector, force: Vector, start: Vector, times: Vector
+) -> Vector:
+    """M x'' + D x' + K x = f of two masses: position and velocity of each, (n, 4), by the matrix exponential.
+
+    `start`: the same four at t = 0.
+    """
+    whole = np.zeros((5, 5))
+    whole[:4:2, 1:4:2] = np.eye(2)
+    whole[1:4:2, :4:2], whole[1:4:2, 1:4:2] = -stiffness / masses[:, None], -damping / masses[:, None]
+    whole[1:4:2, 4] = force / masses
     exponentials = expm(np.multiply.outer(np.asarray(times, dtype=np.float64), whole))
-    return np.asarray(exponentials[:, :size, :] @ np.append(start, 1.0))
+    return np.asarray(exponentials[:, :4, :] @ np.append(start, 1.0))
+
+
+# Of a spring between both masses.
+BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
 
 
 def quarter_car(
@@ -39,39 +47,20 @@ def quarter_car(
     Chassis and wheel must have the same suspension (the chassis's is used).
     """
     c, w = chassis or ChassisParameters(), wheel or WheelParameters()
-    k, d = c.suspension_stiffness, c.suspension_damping
-    matrix = np.array(
-        [
-            [0.0, 1.0, 0.0, 0.0],
-            [-k / c.chassis_mass, -d / c.chassis_mass, k / c.chassis_mass, d / c.chassis_mass],
-            [0.0, 0.0, 0.0, 1.0],
-            [
-                k / w.wheel_mass,
-                d / w.wheel_mass,
-                -(k + w.tyre_stiffness) / w.wheel_mass,
-                -(d + w.tyre_damping) / w.wheel_mass,
-            ],
-        ]
-    )
-    constant = np.array([0.0, 0.0, 0.0, w.tyre_stiffness * w.road_step / w.wheel_mass])
-    return linear_motion(matrix, np.zeros(4) if start is None else start, times, constant)
+    stiffness = c.suspension_stiffness * BETWEEN + np.diag([0.0, w.tyre_stiffness])
+    damping = c.suspension_damping * BETWEEN + np.diag([0.0, w.tyre_damping])
+    masses, force = np.array([c.chassis_mass, w.wheel_mass]), np.array([0.0, w.tyre_stiffness * w.road_step])
+    return linear_motion(masses, stiffness, damping, force, np.zeros(4) if start is None else start, times)
 
 
 def two_masses(
     times: Vector, coupled: CoupledMassParameters, sprung: SprungMassParameters, start: Vector
 ) -> Vector:
     """Position and velocity of the coupled, then of the sprung mass: (n, 4)."""
-    k, d = coupled.coupling_stiffness, coupled.coupling_damping
-    m, n = coupled.mass, sprung.mass
-    matrix = np.array(
-        [
-            [0.0, 1.0, 0.0, 0.0],
-            [-(coupled.stiffness + k) / m, -(coupled.damping + d) / m, k / m, d / m],
-            [0.0, 0.0, 0.0, 1.0],
-            [k / n, d / n, -(sprung.stiffness + k) / n, -(sprung.damping + d) / n],
-        ]
-    )
-    return linear_motion(matrix, start, times)
+    stiffness = coupled.coupling_stiffness * BETWEEN + np.diag([coupled.stiffness, sprung.stiffness])
+    damping = coupled.coupling_damping * BETWEEN + np.diag([coupled.damping, sprung.damping])
+    masses = np.array([coupled.mass, sprung.mass])
+    return linear_motion(masses, stiffness, damping, np.zeros(2), start, times)
 
 
 class Bouncing(NamedTuple):

@@ -325,9 +325,3 @@ def test_order_two_in_time(record):
     errors = [np.abs(one - exact) for one in found]
     orders = np.log2(errors[0] / errors[1])
     record("Field", "orders of the heated film in time", orders, 2.0, "second-order steps", tolerance=0.4)
-
-
-@pytest.mark.parametrize("layers", [-1, 3, 65])
-def test_numbers_of_layers_that_cannot_be_are_refused(layers):
-    with pytest.raises(ValueError, match=f"layers = {layers}: must be 0"):
-        ehl_line_contact(layers=layers)

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from models.catalogue import CATALOGUE
 from models.contact.analysis.line.fixed_grid import Mesh, cold_start, steady_on_grid, workspace
 from models.contact.analysis.line.history import film_history
 from models.contact.analysis.line.line_contact import LineContact
@@ -32,6 +33,7 @@ from models.contact.load_sharing import formula_film, share_load
 from models.core.integrator import OK
 from models.core.quantities import Vector
 
+from ...systems import outputs_of
 from .cam_cycle import motion
 from .stepped import NODES, Contact
 
@@ -180,17 +182,18 @@ def test_the_jacobian_by_total_pressure_is_its_differences():
         assert np.max(np.abs(jacobian[inner, j] - difference[inner]) / size) < 1e-6
 
 
-def mixed(nodes: int = NODES, **parameters: float) -> Contact:
+def mixed(nodes: int = NODES, sliding: float = 1.0, **parameters: float) -> Contact:
     """A contact in the middle of mixed lubrication, settled."""
     contact = Contact(nodes=nodes, load_is_given=1.0, roughness=COARSE.roughness, **parameters)
     for _ in range(200):
-        assert contact.step(2e-5, **RUNNING, applied_load=LOAD) == OK
+        assert contact.step(2e-5, **{**RUNNING, "sliding_velocity": sliding}, applied_load=LOAD) == OK
     return contact
 
 
 def test_load_and_friction_are_counted_once():
-    """Film and asperities carry the load, at its limiting stress the film rubs by its share alone."""
-    contact = mixed(limiting_shear_stress=0.0, limiting_shear_coefficient=0.05, viscosity=0.2)
+    """Film and asperities carry the load; at its limiting stress gamma p the film rubs by gamma times its
+    share, whatever the pressure's shape."""
+    contact = mixed(sliding=1e7, limiting_shear_stress=0.0, limiting_shear_coefficient=0.05, viscosity=0.2)
     asperities = contact["asperity_load"]
     assert 0.02 * LOAD < asperities < 0.98 * LOAD
     scale = contact.x[contact.component.state.index("grid_scale")]
@@ -199,7 +202,31 @@ def test_load_and_friction_are_counted_once():
     assert contact["load"] == pytest.approx(LOAD, rel=1e-6)
     assert oil + asperities == pytest.approx(LOAD, rel=PRESSED)
     assert contact["boundary_friction"] == pytest.approx(0.1 * asperities, rel=1e-12)
-    assert contact["viscous_friction"] <= 0.05 * oil * (1.0 + 2e-3)
+    # The trapezoidal rule of the friction against the field's own weights: h^2 of 101 nodes.
+    assert contact["viscous_friction"] == pytest.approx(0.05 * oil, rel=2e-3)
+
+
+def test_friction_is_odd_in_the_sliding():
+    one, other = (mixed(sliding=velocity) for velocity in (1.5, -1.5))
+    for name in ("viscous_friction", "boundary_friction", "friction_force"):
+        assert one[name] == pytest.approx(-other[name], rel=1e-12)
+        assert one[name] > 0.0
+    assert one["friction_force"] == one["viscous_friction"] + one["boundary_friction"]
+    assert one["film_ratio"] == pytest.approx(one["film_thickness"] / COARSE.roughness, rel=1e-12)
+
+
+def test_friction_of_a_heavy_contact_is_near_that_of_the_formula_with_its_film():
+    """M = 25: Hertz's pressure over the central film against the solved profiles."""
+    solved = Contact(load_is_given=1.0)
+    drive = {"applied_load": 3e3, "entraining_velocity": 0.3, "sliding_velocity": 0.1}
+    for _ in range(10):
+        assert solved.step(1e-4, **drive) == OK
+    given = {"load_is_given": 1.0, "film_model": float(list(FILMS).index("moes_venner"))}
+    formula = outputs_of(
+        CATALOGUE["ehl_contact"](), given, {"film_thickness": solved["film_thickness"]}, drive
+    )
+    # What is left is the inlet's and the constriction's shear and the pressure's departure from Hertz's.
+    assert formula["viscous_friction"] == pytest.approx(solved["viscous_friction"], rel=0.15)
 
 
 @pytest.mark.long

@@ -142,10 +142,14 @@ def test_a_state_goes_on_to_the_same_bits_in_any_scratch_memory(
     np.testing.assert_array_equal(ends[1:], ends[:1] * 2)
 
 
-@pytest.mark.parametrize("nodes", [1, 100])
-def test_numbers_of_nodes_that_cannot_be_are_refused(nodes: int) -> None:
-    with pytest.raises(ValueError, match=f"nodes = {nodes}: must be odd and >= 51"):
-        ehl_line_contact(nodes=nodes)
+@pytest.mark.parametrize(
+    ("size", "values", "allowed"),
+    [("nodes", (1, 100), "odd and >= 51"), ("layers", (-1, 3, 65), "0"), ("mass_conserving", (2,), "0 or 1")],
+)
+def test_structures_that_cannot_be_are_refused(size: str, values: tuple[int, ...], allowed: str) -> None:
+    for value in values:
+        with pytest.raises(ValueError, match=f"{size} = {value}: must be {allowed}"):
+            ehl_line_contact(**{size: value})
 
 
 @pytest.mark.parametrize("roughness", [0.0, 2e-7])
