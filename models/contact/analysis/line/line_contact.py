@@ -1,11 +1,11 @@
 """A line contact in steady motion, by its dimensions or by Moes' groups M and L."""
 
 import math
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 from numbers import Real
 from typing import Any
 
+from ....core.quantities import Quantity
 from ...asperities import Asperities
 from ...films.groups import Conditions, Groups, groups
 from ...fluid import DENSITY_LAWS, VISCOSITY_LAWS, Lubricant
@@ -15,27 +15,34 @@ from ...hertz import ELASTIC_LIMIT, half_width, maximum_pressure
 # through alpha, and without a viscosity law that knows pressures in Pa not even on that.
 _MODULUS, _RADIUS, _LENGTH, _VISCOSITY, _SPEED_GROUP = 2.27e11, 0.02, 0.012, 0.036, 1e-11
 ALPHA = 2.2e-8
-_POSITIVE, _NOT_NEGATIVE, _NOT_ZERO, _FINITE = (
-    "finite and > 0",
-    "finite and >= 0",
-    "finite and not 0",
-    "finite",
-)
-_HOLDS: dict[str, Callable[[float], bool]] = {
-    _POSITIVE: lambda value: value > 0.0,
-    _NOT_NEGATIVE: lambda value: value >= 0.0,
-    _NOT_ZERO: lambda value: value != 0.0,
-    _FINITE: math.isfinite,
+_ROUGH = Quantity("1", "asperities = None: smooth", positive=True)
+# By the names of the fields of a contact, its lubricant and its asperities.
+RANGES = {
+    "load": Quantity("N", "without any a contact has no steady film", positive=True),
+    "velocity": Quantity("m/s", "mean of the surfaces'"),
+    "radius": Quantity("m", "reduced: 1/(1/R1 + 1/R2)", positive=True),
+    "length": Quantity("m", "over which the bodies touch", positive=True),
+    "compliance": Quantity("1/Pa", "(1 - nu1^2)/E1 + (1 - nu2^2)/E2", positive=True),
+    "sliding": Quantity("m/s", "0: pure rolling"),
+    "squeeze": Quantity("m/s", "0: a steady film"),
+    "viscosity": Quantity("Pa.s", "eta0 at the contact's temperature", positive=True),
+    "pressure_viscosity": Quantity("1/Pa", "0 leaves its effect out", minimum=0.0),
+    "viscosity_law": Quantity("1", "position in the list", choices=VISCOSITY_LAWS),
+    "density_law": Quantity("1", "position in the list", choices=DENSITY_LAWS),
+    "roelands_exponent": Quantity("1", "or choose Barus' law", positive=True),
+    "roelands_pressure": Quantity("Pa", "or choose Barus' law", positive=True),
+    "eyring_stress": Quantity("Pa", "0 leaves its effect out", minimum=0.0),
+    **dict.fromkeys(Asperities._fields, _ROUGH),
 }
-_AT_REST = "without entrainment no film is steady, see the transient line contact"
-_NO_EFFECT = "0 leaves its effect out"
 
 
-def real(name: str, value: Any) -> None:
-    """ValueError unless it is one real number."""
+def check(name: str, value: Any, quantity: Quantity | None) -> None:
+    """ValueError unless it is one real number, in the range of its quantity."""
     if not isinstance(value, Real):
         shown = " ".join(repr(value).split())
         raise ValueError(f"{name} = {shown}: must be one real number in SI units; give a float, as 0.03")
+    if quantity and (fault := quantity.fault(name, float(value))):
+        raise ValueError(fault)
 
 
 @dataclass(frozen=True)
@@ -63,37 +70,19 @@ class LineContact:
     elastic_limit: float = ELASTIC_LIMIT
 
     def __post_init__(self) -> None:
-        for part in (self, self.lubricant, self.asperities):
-            for name, value in _numbers_of(part):
-                real(name, value)
-        oil, rough = self.lubricant, self.asperities._asdict() if self.asperities else {}
-        for name, unit, value, allowed, remedy in (
-            ("load", " N", self.load, _POSITIVE, "a contact without load has no steady film of its own"),
-            ("radius", " m", self.radius, _POSITIVE, "give the reduced radius, 1/(1/R1 + 1/R2)"),
-            ("length", " m", self.length, _POSITIVE, "give the length over which the bodies touch"),
-            ("compliance", " 1/Pa", self.compliance, _POSITIVE, "give (1 - nu1^2)/E1 + (1 - nu2^2)/E2"),
-            ("viscosity", " Pa.s", oil.viscosity, _POSITIVE, "give eta0 at the contact's temperature"),
-            ("velocity", " m/s", self.velocity, _NOT_ZERO, _AT_REST),
-            ("pressure_viscosity", " 1/Pa", oil.pressure_viscosity, _NOT_NEGATIVE, _NO_EFFECT),
-            ("eyring_stress", " Pa", oil.eyring_stress, _NOT_NEGATIVE, _NO_EFFECT),
-            ("roelands_exponent", "", oil.roelands_exponent, _POSITIVE, "or choose Barus' law"),
-            ("roelands_pressure", " Pa", oil.roelands_pressure, _POSITIVE, "or choose Barus' law"),
-            *((key, "", number, _POSITIVE, "asperities = None is smooth") for key, number in rough.items()),
-            ("sliding", " m/s", self.sliding, _FINITE, "0 is pure rolling"),
-            ("squeeze", " m/s", self.squeeze, _FINITE, "0 is a steady film"),
-        ):
-            if not (math.isfinite(value) and _HOLDS[allowed](value)):
-                raise ValueError(f"{name} = {value:g}{unit}: must be {allowed}; {remedy}")
+        own = {item.name: getattr(self, item.name) for item in fields(self)}
+        oil, rough = own.pop("lubricant"), own.pop("asperities")
+        for name, value in (own | oil._asdict() | (rough._asdict() if rough else {})).items():
+            check(name, value, RANGES.get(name))
+        if self.velocity == 0.0:
+            raise ValueError(
+                "velocity = 0 m/s: must not be 0; without entrainment no film is steady, see the transient "
+                "line contact"
+            )
         if not self.elastic_limit > 0.0:
             raise ValueError(
                 f"elastic_limit = {self.elastic_limit:g} Pa: must be > 0; inf for bodies that never yield"
             )
-        for name, law, laws in (
-            ("viscosity_law", self.lubricant.viscosity_law, VISCOSITY_LAWS),
-            ("density_law", self.lubricant.density_law, DENSITY_LAWS),
-        ):
-            if law not in range(len(laws)):
-                raise ValueError(f"{name} = {law:g}: must be 0 to {len(laws) - 1}, for {', '.join(laws)}")
 
     @property
     def film_scale(self) -> float:
@@ -130,26 +119,15 @@ class LineContact:
         return groups(2.0 / self.compliance, self.load, at)
 
 
-def _numbers_of(part: LineContact | Lubricant | Asperities | None) -> Iterator[tuple[str, Any]]:
-    if isinstance(part, LineContact):
-        found = {item.name: getattr(part, item.name) for item in fields(part)}
-        yield from ((name, value) for name, value in found.items() if name not in ("lubricant", "asperities"))
-    elif part is not None:
-        yield from part._asdict().items()
-
-
 def moes_contact(M: float, L: float, pressure_viscosity: float = ALPHA) -> LineContact:
     """Some line contact with these groups; L = 0: constant viscosity and density.
 
     Its bodies are made up and never yield. Roelands' law and that of the density know pressures in Pa, so
     that alpha (1/Pa) counts beside M and L.
     """
-    for name, value, allowed in (
-        ("M", M, _POSITIVE), ("L", L, _NOT_NEGATIVE), ("pressure_viscosity", pressure_viscosity, _POSITIVE),
-    ):  # fmt: skip
-        real(name, value)
-        if not (math.isfinite(value) and _HOLDS[allowed](value)):
-            raise ValueError(f"{name} = {value:g}: must be {allowed}")
+    check("M", M, Quantity("1", "Moes' load", positive=True))
+    check("L", L, Quantity("1", "Moes' viscosity under pressure", minimum=0.0))
+    check("pressure_viscosity", pressure_viscosity, Quantity("1/Pa", "of Roelands' law", positive=True))
     constant = L == 0.0
     speed_group = _SPEED_GROUP if constant else (L / (pressure_viscosity * _MODULUS)) ** 4
     return LineContact(

@@ -24,7 +24,7 @@ from ...line.newton import integrate_pressure
 from ...line.reynolds import Flow
 from ...line.transient import central, least, wanted_scale
 from .fixed_grid import Fields, Mesh, cold_start, interpolate_film, steady_on_grid, workspace
-from .line_contact import LineContact, real
+from .line_contact import LineContact, check
 
 # The largest Moes' groups up to which films were found wherever they were tried.
 TRIED_M, TRIED_L = 1000.0, 20.0
@@ -187,7 +187,7 @@ def solve_steady(contact: LineContact, tolerance: float = TOLERANCE, nodes: int 
 
 
 def _check(tolerance: float, nodes: int | None) -> None:
-    real("tolerance", tolerance)
+    check("tolerance", tolerance, None)
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"tolerance = {tolerance:g}: must be > 0 and < 1; it is the films' relative error")
     whole = nodes is None or isinstance(nodes, Integral)

@@ -11,6 +11,7 @@ import pytest
 
 from models.contact.analysis.line.line_contact import LineContact, moes_contact
 from models.contact.analysis.line.steady import LineContactError, LineContactWarning, solve_steady
+from models.contact.asperities import Asperities
 from models.contact.films.moes_venner import moes_film
 from models.contact.fluid import Lubricant, density_ratio, thinning, viscosity_at
 from models.contact.hertz import elastic_compliance
@@ -298,15 +299,16 @@ def test_pressure_beyond_the_elastic_limit_is_reported():
 
 @pytest.mark.parametrize(
     ("change", "words"),
-    [({"load": 0.0}, "load = 0 N: must be finite and > 0"), ({"load": math.nan}, "load = nan N"),
+    [({"load": 0.0}, r"load = 0 N \(without any .*\): must be > 0"), ({"load": math.nan}, "load = nan N"),
      ({"velocity": 0.0}, "velocity = 0 m/s.*transient"), ({"sliding": math.nan}, "sliding = nan"),
      ({"elastic_limit": -1.0}, "elastic_limit = -1 Pa"),
      ({"load": np.ones(2)}, "load = array.*: must be one real number"),
      ({"lubricant": Lubricant("thick", 1e-8)}, "viscosity = 'thick': must be one real number"),
      ({"lubricant": Lubricant(0.0, 1e-8)}, "viscosity = 0 Pa.s"),
-     ({"lubricant": Lubricant(0.03, 1e-8, 7.0)}, "viscosity_law = 7: must be 0 to 2"),
+     ({"lubricant": Lubricant(0.03, 1e-8, 7.0)}, "viscosity_law = 7 .*: must be one of roelands, barus, con"),
      ({"lubricant": Lubricant(0.03, 1e-8, eyring_stress=-1.0)}, "eyring_stress = -1 Pa"),
-     ({"lubricant": Lubricant(0.03, 1e-8, roelands_exponent=0.0)}, "roelands_exponent = 0")],
+     ({"lubricant": Lubricant(0.03, 1e-8, roelands_exponent=0.0)}, "roelands_exponent = 0"),
+     ({"asperities": Asperities(0.0, 0.05, 1e-3)}, "roughness = 0 .*smooth")],
 )  # fmt: skip
 def test_what_is_no_contact_is_refused(change, words):
     with pytest.raises(ValueError, match=words):
