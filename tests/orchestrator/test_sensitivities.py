@@ -28,7 +28,7 @@ from orchestrator.study.speeds.sensitivities import (
     publish,
 )
 from orchestrator.study.speeds.subject import SpeedSubject
-from orchestrator.study.store import DONE
+from orchestrator.study.store import DONE, FAILED
 from orchestrator.texts import parse_toml
 from tribocosim.reporting import SilentReporter
 
@@ -196,6 +196,16 @@ def test_an_unsteady_motion_has_no_sensitivities():
     assert find_usable(cycles, SilentReporter()).tolist() == [True, True, False]
     with pytest.raises(RunError, match="no steady cycle"):
         find_usable(cycles.isel(case=[2, 0]), SilentReporter())
+    failed = cycles.assign(status=("case", [FAILED] * 3), message=("case", ["no equations"] * 3))
+    with pytest.raises(RunError, match="own cycle was not found: no equations"):
+        find_usable(failed, SilentReporter())
+
+
+def test_a_parameter_that_no_figure_changes_with_is_named(monkeypatch, tmp_path):
+    monkeypatch.setattr(sensitivities, "find_slopes", lambda *_: {})
+    tables, where = read_changed("valve-train", DRY), Where(workers=1)
+    with pytest.raises(RunError, match=r"no figure of the cycle changes with contact\.viscosity"):
+        find_sensitivities(tables, 200.0, ["contact.viscosity"], tmp_path, where, SilentReporter())
 
 
 @pytest.mark.parametrize(("method", "marked"), [("tangents", [False, True]), ("differences", [True, True])])

@@ -146,7 +146,9 @@ def find_usable(cycles: xarray.Dataset, reporter: Reporter) -> NDArray[np.bool_]
     """The cases with a steady cycle; RunError where the first, the scenario itself, has none."""
     done = cycles["status"].values == DONE
     usable = np.asarray(done & (cycles["change"].values <= LARGEST_CHANGE))
-    if done[0] and not usable[0]:
+    if not done[0]:
+        raise RunError(f"the scenario's own cycle was not found: {cycles['message'].values[0]}")
+    if not usable[0]:
         raise RunError("the scenario has no steady cycle at this speed: there are no sensitivities")
     if unsteady := int(np.sum(done & ~usable)):
         reporter.line(
@@ -201,6 +203,8 @@ def _build(
     found: Mapping[str, tuple[float, Vector, Vector]], parameters: Sequence[str], **attributes: Any
 ) -> xarray.Dataset:
     """By figure its value, elasticities and their errors."""
+    if not found:
+        raise RunError(f"no figure of the cycle changes with {', '.join(parameters)}")
     value, elasticity, error = (np.array(column) for column in zip(*found.values(), strict=True))
     both = ("figure", "parameter")
     return xarray.Dataset(
