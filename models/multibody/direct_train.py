@@ -54,7 +54,9 @@ def direct_train(
         *coils.guides,
     ]
     forces: list[Force] = [*coils.springs]
-    contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=_find_foot(camshaft))
+    # Where the cam's angle is zero: it is `phase` along y.
+    foot = -math.sin(camshaft.phase), math.cos(camshaft.phase), 0.0
+    contact = flat_cam(CONTACT, "cam", "follower", camshaft, foot=foot)
     if "contact" in parts:
         forces.append(LubricatedCam(contact, parts["contact"], float(states["contact"].film_thickness)))
     else:
@@ -94,11 +96,6 @@ def _list_bodies(
         ),
         Body("follower", float(valve.valve_mass), FOLLOWER_INERTIA, (0.0, base + position, length)),
     ]  # fmt: skip
-
-
-def _find_foot(camshaft: Any) -> tuple[float, float, float]:
-    """Where the cam's angle is zero: it is `phase` along y."""
-    return -math.sin(camshaft.phase), math.cos(camshaft.phase), 0.0
 
 
 def _make_shaft(camshaft: Any) -> ElasticField:

@@ -59,70 +59,64 @@ class PushrodTrain:
     coil_masses: int = 2
 
     def __post_init__(self) -> None:
-        check_values("pushrod", density=self.rod.density, damping_time=self.rod.damping_time)
-
-    @property
-    def tappet(self) -> Any:
-        return self.parts["tappet"]
-
-    @property
-    def rod(self) -> Any:
-        return self.parts["pushrod"]
-
-    @property
-    def rocker(self) -> Any:
-        return self.parts["rocker"]
-
-    @property
-    def valve(self) -> Any:
-        return self.parts["valve_spring"]
+        rod = self.parts["pushrod"]
+        check_values("pushrod", density=rod.density, damping_time=rod.damping_time)
 
     @cached_property
     def heights(self) -> tuple[float, float, float]:
         """Of the tappet, of the rocker's pivot and of the valve (m), with the valve closed."""
-        r = self.rocker
-        tappet = float(self.tappet.base_radius)
+        r, rod, tappet = self.parts["rocker"], self.parts["pushrod"], float(self.parts["tappet"].base_radius)
         # At the angle 0 the ends are tip_radius -+ arm sin(angle) below the pivot.
-        pivot = (
-            tappet + self.rod.length + self.rod.clearance + r.tip_radius + r.rod_arm * math.sin(r.rod_angle)
-        )
+        pivot = tappet + rod.length + rod.clearance + r.tip_radius + r.rod_arm * math.sin(r.rod_angle)
         return tappet, pivot, pivot - r.tip_radius + r.valve_arm * math.sin(r.valve_angle)
 
     @cached_property
     def columns(self) -> tuple[float, float]:
         """x of the rocker's pivot and of the valve; the pushrod is at 0 (m)."""
-        pivot = float(self.rocker.rod_arm * math.cos(self.rocker.rod_angle))
-        return pivot, pivot + float(self.rocker.valve_arm * math.cos(self.rocker.valve_angle))
+        r = self.parts["rocker"]
+        pivot = float(r.rod_arm * math.cos(r.rod_angle))
+        return pivot, pivot + float(r.valve_arm * math.cos(r.valve_angle))
 
     @cached_property
     def rods(self) -> list[str]:
         """Names of the pushrod's segments, from the tappet on."""
-        if not self.segments:
-            return ["pushrod"]
-        return [f"pushrod segment {i + 1}" for i in range(self.segments)]
+        return [f"pushrod segment {i + 1}" for i in range(self.segments)] or ["pushrod"]
 
     @cached_property
     def coils(self) -> Coils:
         names = [f"spring mass {i + 1}" for i in range(self.coil_masses)]
-        place = (self.columns[1], self.heights[2], 0.0)
-        return hang_coils(self.valve, "valve", names, place, DOWN, self.states["valve_spring"].coil_position)
+        place, spring = (self.columns[1], self.heights[2], 0.0), self.parts["valve_spring"]
+        return hang_coils(spring, "valve", names, place, DOWN, self.states["valve_spring"].coil_position)
 
-    def list_bodies(self) -> list[Body]:
+    @property
+    def _length(self) -> float:
+        """Of a segment (m)."""
+        return float(self.parts["pushrod"].length) / len(self.rods)
+
+    def build(self, speed: float, profile: CamProfile = LAW) -> Mechanism:
+        """The train on a cam of its own at a constant speed (rad/s)."""
+        angle = float(self.states["flywheel"].angle)
+        turned, turning = (0.0, 0.0, angle), (0.0, 0.0, speed)
+        cam = Body("cam", CAM_MASS, CAM_INERTIA, angles=turned, angular_velocity=turning)
+        drive = [
+            revolute(BEARING, GROUND, "cam"),
+            prescribed_rotation(DRIVE, GROUND, "cam", speed, angle),
+        ]
+        bodies, joints = [cam, *self._list_bodies()], [*drive, *self._list_joints()]
+        return Mechanism(bodies, joints, self._list_forces(), profile=profile)
+
+    def _list_bodies(self) -> list[Body]:
         """Tappet, pushrod, rocker, valve and masses of the spring."""
         tappet, pivot, valve = self.heights
+        rod, length, turning = self.parts["pushrod"], self._length, float(self.parts["rocker"].inertia)
         lifted, opening = float(self.states["tappet"].position), float(self.states["valve_spring"].position)
-        length = float(self.rod.length) / len(self.rods)
-        mass = float(self.rod.density * self.rod.area) * length
-        inertia = (
-            mass * length**2 / 12.0,
-            mass * float(self.rod.area) / (2.0 * math.pi),
-            mass * length**2 / 12.0,
-        )
+        mass = float(rod.density * rod.area) * length
+        across = mass * length**2 / 12.0
+        inertia = across, mass * float(rod.area) / (2.0 * math.pi), across
         moved = [float(x) for x in self.states["pushrod"].displacement]
-        turning = float(self.rocker.inertia)
         return [
             Body(
-                "tappet", float(self.tappet.mass), SLIDING_INERTIA, (0.0, tappet + lifted, 0.0)
+                "tappet", float(self.parts["tappet"].mass), SLIDING_INERTIA, (0.0, tappet + lifted, 0.0)
             ),
             *(
                 Body(name, mass, inertia, (0.0, tappet + (i + 0.5) * length + moved[i], 0.0))
@@ -133,16 +127,16 @@ class PushrodTrain:
                 (self.columns[0], pivot, 0.0), (0.0, 0.0, -float(self.states["rocker"].rotation)),
             ),
             Body(
-                "valve", float(self.valve.valve_mass), SLIDING_INERTIA,
+                "valve", float(self.parts["valve_spring"].valve_mass), SLIDING_INERTIA,
                 (self.columns[1], valve - opening, 0.0),
             ),
             *self.coils.bodies,
         ]  # fmt: skip
 
-    def list_joints(self, cam: str) -> list[Joint]:
-        """Guides, pivot, and the contacts that are held, on that body with the cam."""
-        held = [self._touch(name, cam) for name, part in OILS.items() if part not in self.parts]
-        held += [] if self.segments else [self._touch(SEAT, cam), self._touch(ROD_END, cam)]
+    def _list_joints(self) -> list[Joint]:
+        """Guides, pivot, and the contacts that are held."""
+        held = [self._touch(name) for name, part in OILS.items() if part not in self.parts]
+        held += [] if self.segments else [self._touch(SEAT), self._touch(ROD_END)]
         return [
             *held,
             *(translational(f"guide of {name}", GROUND, name) for name in ("tappet", *self.rods)),
@@ -151,47 +145,40 @@ class PushrodTrain:
             *self.coils.guides,
         ]
 
-    def list_forces(self, cam: str) -> list[Force]:
+    def _list_forces(self) -> list[Force]:
         """Oil films, the pushrod's springs, seat and spring of the valve."""
+        rod, valve = self.parts["pushrod"], self.parts["valve_spring"]
         found: list[Force] = [
-            LubricatedCam(self._touch(name, cam), self.parts[part], float(self.states[part].film_thickness))
+            LubricatedCam(self._touch(name), self.parts[part], float(self.states[part].film_thickness))
             for name, part in OILS.items()
             if part in self.parts
         ]
         if self.segments:
-            inner = rod_rate(self.rod.youngs_modulus, self.rod.area, self._length)
-            damping, bonded = float(self.rod.damping_time) * inner, bool(self.rod.bonded)
+            inner = rod_rate(rod.youngs_modulus, rod.area, self._length)
+            damping, bonded = float(rod.damping_time) * inner, bool(rod.bonded)
             # Q (1): 2 A E/L at both ends of each segment, so A E/L between two centres.
             found += [
-                ContactSpring(self._touch(name, cam), 2.0 * inner, 2.0 * damping, bonded)
+                ContactSpring(self._touch(name), 2.0 * inner, 2.0 * damping, bonded)
                 for name in (SEAT, ROD_END)
             ]
             found += [
                 SpringDamper(lower, upper, inner, self._length, damping)
                 for lower, upper in zip(self.rods, self.rods[1:], strict=False)
             ]
-        if self.valve.seat_stiffness > 0.0:
-            found.append(
-                ContactSpring(
-                    self._touch(VALVE_SEAT, cam), self.valve.seat_stiffness, self.valve.seat_damping
-                )
-            )
+        if valve.seat_stiffness > 0.0:
+            found.append(ContactSpring(self._touch(VALVE_SEAT), valve.seat_stiffness, valve.seat_damping))
         return [*found, *self.coils.springs]
 
-    @property
-    def _length(self) -> float:
-        return float(self.rod.length) / len(self.rods)
-
-    def _touch(self, name: str, cam: str) -> Joint:
+    def _touch(self, name: str) -> Joint:
         """The contact of that name."""
-        half, r = 0.5 * self._length, self.rocker
+        half, r, tappet = 0.5 * self._length, self.parts["rocker"], self.parts["tappet"]
         if name == CAM:
-            foot = (-math.sin(self.tappet.phase), math.cos(self.tappet.phase), 0.0)
-            return flat_cam(name, cam, "tappet", self.tappet, foot=foot)
+            foot = (-math.sin(tappet.phase), math.cos(tappet.phase), 0.0)
+            return flat_cam(name, "cam", "tappet", tappet, foot=foot)
         if name == SEAT:
             return plane_contact(name, "tappet", self.rods[0], at_j=(0.0, -half, 0.0))
         if name == VALVE_SEAT:
-            lashed = (self.columns[1], self.heights[2] - float(self.valve.lash), 0.0)
+            lashed = (self.columns[1], self.heights[2] - float(self.parts["valve_spring"].lash), 0.0)
             return plane_contact(name, GROUND, "valve", normal=DOWN, at_i=lashed)
         radius, constant = float(r.tip_radius), bool(r.small_motion)
         if name == ROD_END:
@@ -200,16 +187,3 @@ class PushrodTrain:
             return lever_end(name, "rocker", self.rods[-1], end, at_slider=(0.0, half, 0.0), normal=DOWN)
         end = LeverEnd(float(r.valve_arm), float(r.valve_angle), radius, constant)
         return lever_end(name, "rocker", "valve", end, axis=BACK, normal=DOWN)
-
-
-def pushrod_train(train: PushrodTrain, speed: float, profile: CamProfile = LAW) -> Mechanism:
-    """The train on a cam of its own at a constant speed (rad/s)."""
-    angle = float(train.states["flywheel"].angle)
-    turned, turning = (0.0, 0.0, angle), (0.0, 0.0, speed)
-    cam = Body("cam", CAM_MASS, CAM_INERTIA, angles=turned, angular_velocity=turning)
-    joints = [
-        revolute(BEARING, GROUND, cam.name),
-        prescribed_rotation(DRIVE, GROUND, cam.name, speed, angle),
-        *train.list_joints(cam.name),
-    ]
-    return Mechanism([cam, *train.list_bodies()], joints, train.list_forces(cam.name), profile=profile)

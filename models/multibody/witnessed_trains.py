@@ -1,27 +1,27 @@
 """The valve trains that the multibody witness knows: their parts in a system, and their mechanisms."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple
 
 from ..core.quantities import Vector
 from ..core.system import System
 
 
-class Outputs(Protocol):
-    """Outputs over time by "instance.variable"."""
-
-    def __getitem__(self, name: str, /) -> Vector: ...
-
-
 class Observation(NamedTuple):
-    """A quantity of the mechanism over time, and how it follows from outputs and those of the reference."""
+    """A quantity of the mechanism over time, and the output that it is, or times the reference's `arm`."""
 
     name: str
     values: Vector
-    find: Callable[[Outputs, Outputs], Vector]
+    output: str
+    arm: str = ""
+
+    def find(self, outputs: Any, reference: Any) -> Vector:
+        """The quantity from outputs, and those of the reference, by "instance.variable"."""
+        found: Vector = outputs[self.output] * reference[self.arm] if self.arm else outputs[self.output]
+        return found
 
 
 @dataclass(frozen=True)
@@ -77,11 +77,7 @@ class WitnessedTrain(ABC):
 
     def compare_output(self, part: str, variable: str, values: Vector) -> Observation:
         name = self.output(part, variable)
-        return Observation(name, values, lambda outputs, reference: outputs[name])
-
-    def compare_moment(self, name: str, load: str, offset: str, values: Vector) -> Observation:
-        """A load times the reference's offset."""
-        return Observation(name, values, lambda outputs, reference: outputs[load] * reference[offset])
+        return Observation(name, values, name)
 
     @abstractmethod
     def build(self) -> Any:
@@ -129,7 +125,7 @@ class DirectTrain(WitnessedTrain):
             self.compare_output("contact", "film_thickness", motion.film_thickness(CONTACT)),
             self.compare_output("camshaft", "drive_torque", torque),
             self.compare_output("valve_spring", "position", place),
-            self.compare_moment("guide moment", load, offset, -motion.reaction(GUIDE).moment[:, 2]),
+            Observation("guide moment", -motion.reaction(GUIDE).moment[:, 2], load, offset),
         ]
 
 
@@ -157,11 +153,11 @@ class PushrodTrainOfParts(WitnessedTrain):
     }
 
     def build(self) -> Any:
-        from .pushrod_train import PushrodTrain, pushrod_train
+        from .pushrod_train import PushrodTrain
 
         sizes = self.size("pushrod", "segments"), self.size("valve_spring", "coil_masses")
         train = PushrodTrain(self.parameters, self.states, *sizes)
-        return pushrod_train(train, float(self.drive.initial_speed), self.find_profile("tappet"))
+        return train.build(float(self.drive.initial_speed), self.find_profile("tappet"))
 
     def observe(self, motion: Any) -> list[Observation]:
         from .pushrod_train import CAM, DRIVE, TIP
@@ -176,7 +172,7 @@ class PushrodTrainOfParts(WitnessedTrain):
             self.compare_output("valve_contact", "load", motion.load(TIP)),
             self.compare_output("cam_contact", "film_thickness", motion.film_thickness(CAM)),
             self.compare_output("valve_contact", "film_thickness", motion.film_thickness(TIP)),
-            self.compare_moment("drive torque without friction", load, offset, torque),
+            Observation("drive torque without friction", torque, load, offset),
             self.compare_output("tappet", "position", lifted),
             self.compare_output("valve_spring", "position", begin + valve[0] - valve),
         ]

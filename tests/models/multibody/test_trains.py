@@ -11,7 +11,7 @@ from models.catalogue import CATALOGUE
 from models.multibody.direct_train import direct_train
 from models.multibody.ida import solve_ida
 from models.multibody.linear import find_frequencies
-from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, PushrodTrain, pushrod_train
+from models.multibody.pushrod_train import CAM, DRIVE, PIVOT, ROD_END, SEAT, TIP, PushrodTrain
 from models.valve_train.cams.law import law_lift
 
 from .projected import solve_projected
@@ -58,11 +58,11 @@ def turning(speed_rpm: float) -> float:
 @pytest.mark.parametrize("method", [solve_ida, solve_projected], ids=["IDA", "projected DOP853"])
 def test_loads_of_rigid_parts_are_the_closed_form(method, record):
     """W = i (f_p + k0 i s) + (m_t + m_rod + J/a^2 + i^2 m_v) s'' Omega^2, drive torque W s'."""
-    parts, omega = pushrod_parts(segments=0, coil_masses=0), turning(1600.0)
-    parts.valve.damping_ratio = 0.0
+    train, omega = pushrod_parts(segments=0, coil_masses=0), turning(1600.0)
+    train.parts["valve_spring"].damping_ratio = 0.0
     times = np.linspace(0.0, 2.0 * math.pi / omega, 181)
-    motion = method(pushrod_train(parts, omega), times)
-    lift = [law_lift(omega * t, parts.tappet) for t in times]
+    motion = method(train.build(omega), times)
+    lift = [law_lift(omega * t, train.parts["tappet"]) for t in times]
     s, ds, dds = (np.array([getattr(x, name) for x in lift]) for name in ("s", "ds", "dds"))
     moving = MASS + ROD_MASS + INERTIA / ARM**2 + RATIO**2 * MASS
     cam = RATIO * (330.0 + 35e3 * RATIO * s) + moving * dds * omega**2
@@ -84,8 +84,8 @@ def test_loads_of_rigid_parts_are_the_closed_form(method, record):
 
 def test_joints_of_the_train_leave_what_is_elastic():
     """On a driven cam a rigid train keeps the freedoms of its coils; an elastic pushrod adds five."""
-    assert pushrod_train(pushrod_parts(segments=0), 1.0).freedoms == 2
-    assert pushrod_train(pushrod_parts(segments=4), 1.0).freedoms == 2 + 5
+    assert pushrod_parts(segments=0).build(1.0).freedoms == 2
+    assert pushrod_parts(segments=4).build(1.0).freedoms == 2 + 5
 
 
 @pytest.mark.parametrize(
@@ -95,7 +95,7 @@ def test_joints_of_the_train_leave_what_is_elastic():
 )
 def test_natural_frequencies_of_the_train_on_a_resting_cam(segments, expected, record):
     """Of the reduced constrained equations; sixteen segments are 1/16 as far from the exact rod as four."""
-    mechanism = pushrod_train(pushrod_parts(segments=segments), 0.0)
+    mechanism = pushrod_parts(segments=segments).build(0.0)
     found = find_frequencies(mechanism, mechanism.start())
     for i, (value, wanted) in enumerate(zip(found, expected, strict=False)):
         quantity = f"pushrod of {segments} segments: natural frequency {i + 1} (Hz)"

@@ -19,8 +19,7 @@ from ...line.grid import node_positions
 @dataclass(frozen=True)
 class FilmHistory:
     """Fields of n instants: central and minimum film (m), highest pressure (Pa), load (N) and what of it
-    asperities carry (N), scale of the grid (m); oil's `pressure` (Pa), `film` (m) and `x` (m), (n, nodes),
-    and its `filling`, (n, 0) where cavities refill as if full."""
+    asperities carry (N); oil's `pressure` (Pa), `film` (m) and `x` (m), (n, nodes)."""
 
     times: Vector
     film_thickness: Vector
@@ -28,11 +27,9 @@ class FilmHistory:
     maximum_pressure: Vector
     load: Vector
     asperity_load: Vector
-    grid_scale: Vector
     x: Vector
     pressure: Vector
     film: Vector
-    filling: Vector
 
 
 def film_history(
@@ -116,7 +113,6 @@ def _collect_fields(times: Vector, states: Vector, component: Component) -> Film
     def along(name: str) -> Vector:
         return np.array([getattr(row, name) for row in rows])
 
-    scale = along("grid_scale")
     return FilmHistory(
         times=times,
         film_thickness=along("film_thickness"),
@@ -124,9 +120,7 @@ def _collect_fields(times: Vector, states: Vector, component: Component) -> Film
         maximum_pressure=along("highest_pressure"),
         load=along("field_load"),
         asperity_load=along("field_asperity_load"),
-        grid_scale=scale,
-        x=scale[:, None] * node_positions(component.structure["nodes"])[None, :],
+        x=along("grid_scale")[:, None] * node_positions(component.structure["nodes"])[None, :],
         pressure=along("pressure"),
         film=along("film"),
-        filling=along("filling"),
     )

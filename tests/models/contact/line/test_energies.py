@@ -128,19 +128,26 @@ def test_what_is_stored_changes_by_the_powers(load_is_given: bool, tolerance: fl
     np.testing.assert_allclose(stored[1:] - stored[0], net, rtol=0.0, atol=tolerance * np.ptp(stored))
 
 
-def test_a_steady_film_loses_what_it_is_given() -> None:
-    """As exactly as Newton's method balances its volumes; what slides loses its friction, the rest rolls. A
-    jump of the approach stores its work, in the bodies."""
-    unit = counting(101, energies=0, field_tolerance=1e-4)
+@pytest.fixture(scope="module")
+def pressed() -> Stepped:
+    """A contact in its steady film."""
+    unit = counting(101, field_tolerance=1e-4)
     unit.input("approach", 5e-6)
     for _ in range(150):
         unit.advance(2e-5)
-    stored, lost, given = powers(unit)
+    return unit
+
+
+def test_a_steady_film_loses_what_it_is_given(pressed: Stepped) -> None:
+    """As exactly as Newton's method balances its volumes; what slides loses its friction, the rest rolls. A
+    jump of the approach stores its work, in the bodies."""
+    stored, lost, given = powers(pressed)
     assert lost == pytest.approx(given, rel=1e-6)
-    assert 1.0 < lost / (unit["friction_force"] * RUNNING["sliding_velocity"]) < 1.2
-    jump = 1e-9
-    unit.u[unit.component.inputs.index("approach")] += jump
-    assert powers(unit)[0] - stored == pytest.approx(unit["load"] * jump, rel=1e-6)
+    assert 1.0 < lost / (pressed["friction_force"] * RUNNING["sliding_velocity"]) < 1.2
+    before, jump = pressed.u.copy(), 1e-9
+    pressed.u[pressed.component.inputs.index("approach")] += jump
+    assert powers(pressed)[0] - stored == pytest.approx(pressed["load"] * jump, rel=1e-6)
+    pressed.u[:] = before
 
 
 @pytest.mark.parametrize("load_is_given", LOAD_IS_GIVEN)
@@ -159,16 +166,6 @@ def test_the_account_closes_better_with_more_nodes(load_is_given: bool) -> None:
     coarse, fine = (courses(nodes, 5e-6, load_is_given) for nodes in (51, 101))
     assert np.max(np.abs(fine[0])) < 0.6 * np.max(np.abs(coarse[0]))
     assert np.max(np.abs(fine[0])) < 3e-3 * np.ptp(fine[1])
-
-
-@pytest.fixture(scope="module")
-def pressed() -> Stepped:
-    """A contact in its steady film."""
-    unit = counting(101, field_tolerance=1e-4)
-    unit.input("approach", 5e-6)
-    for _ in range(150):
-        unit.advance(2e-5)
-    return unit
 
 
 def test_what_is_stored_is_about_that_of_a_dry_contact(pressed: Stepped) -> None:
