@@ -34,6 +34,6 @@ def describe_groove(bearing: Instance, away: float) -> str:
     across = (parameter_of(bearing, "groove_angle") + away + 0.5 * math.pi) % math.pi
     distance, better = (format_number(math.degrees(angle), 3) for angle in (abs(away), across))
     return (
-        f"; at the least film the load points {distance} deg beside the middle of a groove, which thins the "
-        f"film: set groove_angle to '{better} deg', at a right angle to the load"
+        f"; at the least film the load points {distance} deg beside the middle of a groove, where films are "
+        f"down to a twentieth as thick: set groove_angle to '{better} deg', at a right angle to the load"
     )
