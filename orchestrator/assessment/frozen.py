@@ -1,6 +1,6 @@
 """FMUs that report success and stand still."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection
 
 import numpy as np
 
@@ -11,26 +11,23 @@ from models.core.system import System
 FEWEST, SHARE = 10, 0.5
 
 
-def list_frozen(
-    system: System, foreign: Collection[str], read: Callable[[Sequence[str]], Mapping[str, Vector]]
-) -> list[str]:
+def list_frozen(system: System, foreign: Collection[str], column: Callable[[str], Vector]) -> list[str]:
     """A line for each of these FMUs whose outputs all stand still while an input changes."""
-    return [line for name in foreign if (line := _describe(system, name, read))]
+    return [line for name in foreign if (line := _describe(system, name, column))]
 
 
-def _describe(system: System, name: str, read: Callable[[Sequence[str]], Mapping[str, Vector]]) -> str:
+def _describe(system: System, name: str, column: Callable[[str], Vector]) -> str:
     layout = system.instances[name].component.outputs
     own = [f"{name}.{field.name}" for field in layout.fields if not field.quantity.jumps]
     driving = [c for c in system.connections if c.target.instance == name]
     if not own or not driving:
         return ""
-    found = read(["time", *own, *{str(c.source) for c in driving}])
-    times = found["time"]
-    last = max(_last_change(found[output]) for output in own)
+    times = column("time")
+    last = max(_last_change(column(output)) for output in own)
     still = len(times) - 1 - last
     if still < max(FEWEST, SHARE * len(times)):
         return ""
-    moving = [str(c.target) for c in driving if np.ptp(found[str(c.source)][last:]) > 0.0]
+    moving = [str(c.target) for c in driving if np.ptp(column(str(c.source))[last:]) > 0.0]
     if not moving:
         return ""
     return (

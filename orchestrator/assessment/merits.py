@@ -23,7 +23,7 @@ from .friction.losses import list_losses, name_outside, note_friction
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
 from .motion import Motion
-from .trains import Angle, Train, find_angle, find_drive_angle, find_trains, list_parts
+from .trains import Angle, Train, find_angle, find_degrees, find_drive_angle, find_trains, list_parts
 
 # A column of the coupled run, by "instance.variable", or "time".
 Read = Callable[[str], Vector]
@@ -106,6 +106,12 @@ def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float 
         yield "largest_gap", contact.separation.gap, contact.separation.gap_time, GAP
     if contact.impact:
         yield "impact_speed", contact.impact.speed, contact.impact.time, IMPACT
+
+
+def describe(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
+    """Lines of trains, drive, adjusters and bearings."""
+    tellers = (describe_trains, describe_drive, describe_adjusters, describe_bearings)
+    return [line for tell in tellers for line in tell(system, merits, read)]
 
 
 def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
@@ -338,8 +344,7 @@ def write_merits(
 def _place(angle: Angle | None, time: float, read: Read) -> tuple[str, str]:
     if angle is None:
         return "", ""
-    turned = np.degrees(angle.factor * np.interp(time, read("time"), read(angle.source)))
-    return f"{turned % 360.0:.2f}", angle.name.removesuffix("_angle")
+    return f"{float(find_degrees(angle, time, read)):.2f}", angle.name.removesuffix("_angle")
 
 
 def _speed(drive: Angle | None, time: float, read: Read) -> str:

@@ -1,6 +1,6 @@
 """The valve trains of a system, and the angles over which its parts are read; both found by roles."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import chain
@@ -183,6 +183,12 @@ def find_angle(system: System, instance: str) -> Angle | None:
     """The angle over which the instance is read: its own cam's, or else the crank's or shaft's."""
     own = find_train(system, instance)
     return own.angle if own else find_drive_angle(system)
+
+
+def find_degrees(angle: Angle, times: float | Sequence[float], column: Callable[[str], Vector]) -> Vector:
+    """The angle in degrees of its turn at times (s), between rows, through which shafts turn evenly."""
+    turned = np.degrees(angle.factor * column(angle.source))
+    return np.asarray(np.interp(times, column("time"), turned) % 360.0)
 
 
 def list_ratios(system: System) -> list[float]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 from models.core.difference import difference, time_weights
@@ -15,15 +14,7 @@ from models.core.system import System
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
 from ..assessment.frozen import list_frozen
-from ..assessment.merits import (
-    Merit,
-    describe_adjusters,
-    describe_bearings,
-    describe_drive,
-    describe_trains,
-    list_merits,
-    sum_friction,
-)
+from ..assessment.merits import Merit, describe, list_merits, sum_friction
 from ..errors import RunError, Set, Words, join
 from ..reporter import WITNESS, Reporter
 from ..scenario.capabilities import MONOLITHIC
@@ -56,8 +47,7 @@ def assess(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter)
     summary = _diagnose(plan, _summarise_contacts(plan.system, summary, result), result)
     if not summary.complete:
         return summary
-    read = partial(result.read, "coupled", rows=slice(None))
-    summary = replace(summary, frozen=list_frozen(plan.system, plan.third_party, read))
+    summary = replace(summary, frozen=list_frozen(plan.system, plan.third_party, result.column))
     judged = _judge(plan, summary, result, reporter)
     if not judged.senseless or judged.exit_status != WITHIN:
         return judged
@@ -91,18 +81,11 @@ def _summarise_contacts(system: System, summary: Summary, result: ResultFile) ->
     """The contacts as observed, or else as recorded, with their angles; figures of merit of all parts."""
     contacts, source, figures, told = summary.contacts, MACRO_STEPS, list[Merit](), list[str]()
     if result.length("coupled") > 1:
-        read = partial(result.read, "coupled", rows=slice(None))
-        if not contacts and (found := summarise_rows(system, read)):
+        if not contacts and (found := summarise_rows(system, result.column)):
             contacts, source = found, ROWS
-        contacts = with_angles(system, contacts, read)
-
-        def column(name: str) -> Vector:
-            return read([name])[name]
-
-        figures = list_merits(system, contacts, column)
-        told += describe_trains(system, figures, column)
-        told += describe_drive(system, figures, column)
-        told += [*describe_adjusters(system, figures, column), *describe_bearings(system, figures, column)]
+        contacts = with_angles(system, contacts, result.column)
+        figures = list_merits(system, contacts, result.column)
+        told = describe(system, figures, result.column)
     return replace(
         summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,
         friction=sum_friction(system, figures),

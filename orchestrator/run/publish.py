@@ -11,7 +11,6 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from models.core.quantities import Vector
 from models.core.words import tally
 
 from ..assessment.merits import write_merits
@@ -72,15 +71,10 @@ def _describe(plan: Plan) -> dict[str, str]:
 def publish_merits(plan: Plan, summary: Summary, result: ResultFile) -> None:
     """The table of the figures of merit of what was recorded."""
     if result.length("coupled") > 1:
-
-        @cache
-        def read(name: str) -> Vector:
-            return result.read("coupled", [name], slice(None))[name]
-
         path = result.path.with_name(MERITS)
         doubts = [] if summary.whole else [in_command_line(summary.message)]
         doubts += list_warnings(summary)
-        write_merits(plan.system, summary.figures_of_merit, doubts, read, path)
+        write_merits(plan.system, summary.figures_of_merit, doubts, cache(result.column), path)
 
 
 def list_warnings(summary: Summary) -> list[str]:

@@ -113,6 +113,10 @@ class ResultFile:
         """An attribute of a group, or of one of its variables."""
         self._hdf5[group].attrs[name] = value
 
+    def column(self, name: str) -> Vector:
+        """All rows of a variable of the coupled run, or of its "time"."""
+        return self.read("coupled", [name], slice(None))[name]
+
     def read(self, group: str, names: Sequence[str], rows: slice) -> dict[str, Vector]:
         """Rows of some variables."""
         return {name: np.asarray(self._hdf5[f"{group}/{_to_stored_name(name)}"][rows]) for name in names}

@@ -58,7 +58,7 @@ def run():
 
 
 def summaries(system, columns):
-    return summarise_rows(system, lambda names: {name: columns[name] for name in names})
+    return summarise_rows(system, columns.__getitem__)
 
 
 def lasting(time, holds):

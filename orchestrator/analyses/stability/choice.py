@@ -10,7 +10,7 @@ predicts: there steps that are made again where their error is too large are tri
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -183,13 +183,10 @@ class HardLandingError(MistakeError):
 def refuse_impacts(system: System, motion: Trajectory) -> None:
     """HardLandingError if a contact lands hard in the motion."""
 
-    def read(names: Sequence[str]) -> dict[str, Vector]:
-        return {
-            name: motion.times if name == "time" else motion.outputs[:, system.outputs.names.index(name)]
-            for name in names
-        }
+    def column(name: str) -> Vector:
+        return motion.times if name == "time" else motion.outputs[:, system.outputs.names.index(name)]
 
-    for name, contact in summarise_rows(system, read).items():
+    for name, contact in summarise_rows(system, column).items():
         impact = contact.impact
         if impact and impact.load >= HARD * contact.largest_load:
             said = (

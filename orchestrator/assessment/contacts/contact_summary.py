@@ -29,9 +29,6 @@ from .accumulation import (
     replay,
 )
 
-# Columns of the coupled run, by "instance.variable", and "time".
-Read = Callable[[Sequence[str]], Mapping[str, Vector]]
-
 # A landing whose load has its peak within fewer macro steps than this is not resolved.
 RESOLVED = 5
 
@@ -275,8 +272,9 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
     )
 
 
-def summarise_rows(system: System, read: Read) -> ContactSummaries:
-    """The summaries as recorded rows have them, where nothing else is left of a run."""
+def summarise_rows(system: System, column: Callable[[str], Vector]) -> ContactSummaries:
+    """The summaries as recorded rows have them, by "instance.variable" and "time", where nothing else is left
+    of a run."""
     drivers = {str(c.target): str(c.source) for c in system.connections if c.target.variable in INPUTS}
     trains = {name: find_train(system, name) for name in contacts(system)}
     drivers |= {f"{name}.{LIFT}": f"{train.cam}.{LIFT}" for name, train in trains.items() if train}
@@ -284,13 +282,12 @@ def summarise_rows(system: System, read: Read) -> ContactSummaries:
     for name in contacts(system):
         # One contact at a time: there may be millions of records.
         accumulator = Accumulator(system, [name])
-        own = [f"{name}.{variable}" for variable in SEEN]
-        driven = {one: drivers.get(one, one) for one in own}
-        columns = read(["time", *(one for one in driven.values() if one in system.outputs.names)])
-        rows = np.tile(accumulator.seen[0], (len(columns["time"]), 1))
-        for j, one in enumerate(own):
-            if driven[one] in columns:
-                rows[:, j] = columns[driven[one]]
-        replay(accumulator.memory.record, accumulator.summaries, columns["time"], rows)
+        times = column("time")
+        rows = np.tile(accumulator.seen[0], (len(times), 1))
+        for j, variable in enumerate(SEEN):
+            source = drivers.get(own := f"{name}.{variable}", own)
+            if source in system.outputs.names:
+                rows[:, j] = column(source)
+        replay(accumulator.memory.record, accumulator.summaries, times, rows)
         found |= accumulator.found()
     return found

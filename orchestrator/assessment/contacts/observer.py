@@ -16,7 +16,7 @@ from ...engine.step import Step
 from ...participants.compiled_calls import CALLS, FINE, CompiledCalls
 from ...participants.protocol import Participant
 from ...store.json_codec import Plain
-from ..trains import find_angle, find_train
+from ..trains import find_angle, find_degrees, find_train
 from .accumulation import INPUTS, LIFT, OUTPUTS, observe
 from .contact_summary import Accumulator, ContactSummaries, contacts
 
@@ -84,25 +84,15 @@ class ContactObserver(Observer):
 
 
 def with_angles(
-    system: System, summaries: ContactSummaries, read: Callable[[Sequence[str]], Mapping[str, Vector]]
+    system: System, summaries: ContactSummaries, column: Callable[[str], Vector]
 ) -> ContactSummaries:
-    """The summaries with the angles (deg) of their cams or cranks at the times of what they tell.
-
-    Angles are read between recorded rows, through which shafts turn evenly.
-    """
+    """The summaries with the angles (deg) of their cams or cranks at the times of what they tell."""
     found = {}
     for name, summary in summaries.items():
-        angle = find_angle(system, name)
-        if not angle:
-            found[name] = summary
-            continue
-        columns = read(["time", angle.source])
-        turned = np.degrees(angle.factor * columns[angle.source])
-
-        def at(time: float, columns: Mapping[str, Vector] = columns, turned: Vector = turned) -> float:
-            return float(np.interp(time, columns["time"], turned) % 360.0)
-
-        found[name] = replace(
-            summary, angle_of=angle.name, angles={key: at(time) for key, time in summary.times().items()}
-        )
+        if angle := find_angle(system, name):
+            times = summary.times()
+            turned = find_degrees(angle, list(times.values()), column)
+            angles = dict(zip(times, turned.tolist(), strict=True))
+            summary = replace(summary, angle_of=angle.name, angles=angles)
+        found[name] = summary
     return found
