@@ -2,18 +2,19 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from models.contact.wear import trapezoidal, worn_depth
-from models.core.quantities import Vector
+from models.core.quantities import Quantity, Vector
 
 from ...errors import MistakeError
 from ..lost_contact import LOST, ContactLaw
 
 TURN = 2.0 * math.pi
+SHARE = Quantity("1", display_unit="%")
 # Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
 OPEN = 0.01
 # The least movement of a contact over the cam, in radii of curvature per cam angle: it stands.
@@ -33,12 +34,13 @@ OF_CAM = (
 
 @dataclass(frozen=True)
 class Cycle:
-    """Records of one revolution, in SI units: the variables of OF_CONTACT and OF_CAM, and the time."""
+    """Records of one revolution: the variables of OF_CONTACT and OF_CAM, with their SI units, and the time."""
 
     contact: str
     time: Vector
     values: Mapping[str, Vector]
     law: ContactLaw = ContactLaw()
+    units: Mapping[str, str] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> Vector:
         return self.values[name]
@@ -99,41 +101,38 @@ def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector]) ->
     return Cycle(contact, whole(time), {name: whole(column) for name, column in values.items()})
 
 
-@dataclass(frozen=True)
-class Summary:
-    """Of one revolution. `coefficient` is work over load times sliding distance; `lost` is the share of the
-    time in which contact is lost. `least_film_ratio` is that under load."""
-
-    mean_torque: float
-    largest_torque: float
-    mean_power: float
-    work: float
-    coefficient: float
-    boundary_share: float
-    asperity_share: float
-    least_film_ratio: float
-    lost: float
+# Of one revolution, in the order in which it is told.
+SUMMARY: Mapping[str, Quantity] = {
+    "mean_torque": Quantity("N.m", "mean friction torque"),
+    "largest_torque": Quantity("N.m", "largest friction torque"),
+    "mean_power": Quantity("W", "mean friction power"),
+    "work": Quantity("J", "friction work"),
+    "coefficient": Quantity("1", "coefficient of friction: work over load times sliding distance"),
+    "asperity_share": SHARE.of("asperities' share of the load"),
+    "boundary_share": SHARE.of("asperities' share of the work"),
+    "least_film_ratio": Quantity("1", "least film of the oil under load over the roughness"),
+    "lost": SHARE.of("time in which contact is lost"),
+}
 
 
-def summary(cycle: Cycle) -> Summary:
-    """Means over a revolution: of the torque over the angle, of the power over the time."""
+def summarise(cycle: Cycle) -> dict[str, float]:
+    """The numbers of SUMMARY: of the torque a mean over the angle, of the power over the time."""
     time = trapezoidal(cycle.time)
     work = float(time @ cycle.power)
-    distance = np.abs(cycle["sliding_velocity"])
-    loaded = float(time @ (cycle["load"] * distance))
+    loaded = float(time @ (cycle["load"] * np.abs(cycle["sliding_velocity"])))
     boundary = float(time @ (cycle["boundary_friction"] * cycle["sliding_velocity"]))
     load = cycle.mean(cycle["load"])
-    return Summary(
-        mean_torque=work / cycle.turned,
-        largest_torque=float(np.abs(cycle.torque).max()),
-        mean_power=work / float(cycle.time[-1] - cycle.time[0]),
-        work=work,
-        coefficient=work / loaded if loaded else 0.0,
-        boundary_share=boundary / work if work else 0.0,
-        asperity_share=cycle.mean(cycle["asperity_load"]) / load if load else 0.0,
-        least_film_ratio=float(np.min(cycle["film_ratio"], where=cycle["load"] > 0.0, initial=np.inf)),
-        lost=cycle.mean(cycle.lost.astype(float)),
-    )
+    return {
+        "mean_torque": work / cycle.turned,
+        "largest_torque": float(np.abs(cycle.torque).max()),
+        "mean_power": work / float(cycle.time[-1] - cycle.time[0]),
+        "work": work,
+        "coefficient": work / loaded if loaded else 0.0,
+        "asperity_share": cycle.mean(cycle["asperity_load"]) / load if load else 0.0,
+        "boundary_share": boundary / work if work else 0.0,
+        "least_film_ratio": float(np.min(cycle["film_ratio"], where=cycle["load"] > 0.0, initial=np.inf)),
+        "lost": cycle.mean(cycle.lost.astype(float)),
+    }
 
 
 @dataclass(frozen=True)

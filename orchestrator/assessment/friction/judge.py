@@ -1,6 +1,5 @@
 """Friction and wear of a run's contacts over a cam revolution, from its output folder."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -47,8 +46,8 @@ def judge_friction(
     values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
-        cycle = last_revolution(name, *_read(folder, list_columns(system, name, cams[name])))
-        cycle = replace(cycle, law=find_law(system, name))
+        time, columns, units = _read(folder, list_columns(system, name, cams[name]))
+        cycle = replace(last_revolution(name, time, columns), law=find_law(system, name), units=units)
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
@@ -102,7 +101,8 @@ def list_columns(system: System, contact: str, cam: str) -> dict[str, str]:
     return found | {"sliding_velocity": str(next(c.source for c in system.connections if c.target == target))}
 
 
-def _read(folder: Path, wanted: dict[str, str]) -> tuple[Vector, Mapping[str, Vector]]:
+def _read(folder: Path, wanted: dict[str, str]) -> tuple[Vector, dict[str, Vector], dict[str, str]]:
+    """The time, and columns with their units."""
     with open_result(folder) as result:
         group = result["coupled"].ds
         if wanted["cam_speed"] not in group:  # an input of a follower
@@ -110,5 +110,7 @@ def _read(folder: Path, wanted: dict[str, str]) -> tuple[Vector, Mapping[str, Ve
         if missing := [name for name in wanted.values() if name not in group]:
             raise MistakeError(f"{folder / RESULT}: has no {', '.join(missing)}; run the scenario again")
         columns = {name: np.asarray(group[place].values, float) for name, place in wanted.items()}
+        units = {name: group[place].attrs["units"] for name, place in wanted.items()}
         time = np.asarray(group["time"].values, float)
-    return time, {"cam_speed": np.gradient(columns["cam_angle"], time), **columns}
+    columns = {"cam_speed": np.gradient(columns["cam_angle"], time), **columns}
+    return time, columns, {"cam_speed": "rad/s", **units}

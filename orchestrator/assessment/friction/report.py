@@ -1,8 +1,9 @@
 """Friction and wear of contacts as a table to read, and what to beware of."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from rich.table import Table
@@ -11,8 +12,8 @@ from models.contact.records import ATOM
 
 from ...errors import Option, Words
 from ...reporter import make_table
-from ...scenario.display import format_number
-from .cycle import TURN, Cycle, Summary, Wear, summary
+from ...scenario.display import format_number, show
+from .cycle import SUMMARY, TURN, Cycle, Wear, summarise
 
 # Of the cam's lift: a profile that has lost more is no longer the one that was computed.
 WORN = 0.01
@@ -30,9 +31,9 @@ class Judged:
     cycles: float
     roughness: float
 
-    @property
-    def summary(self) -> Summary:
-        return summary(self.cycle)
+    @cached_property
+    def summary(self) -> dict[str, float]:
+        return summarise(self.cycle)
 
     @property
     def deepest(self) -> tuple[float, float]:
@@ -44,38 +45,30 @@ def _film(found: Judged) -> str:
     """The film whose ratio is the least: printed numbers are quotients of one another."""
     if found.roughness <= 0.0:
         return "smooth"
-    film = found.summary.least_film_ratio * found.roughness
+    film = found.summary["least_film_ratio"] * found.roughness
     return format_number(1e6 * film) if film >= ATOM else "no film"
 
 
-def _cam_place(found: Judged) -> str:
-    return f"{math.degrees(found.worn.cam_angle[found.worn.cam_depth.argmax()]):.0f}"
+def _list_rows(found: Judged) -> Iterator[tuple[str, str, str]]:
+    """Words, unit and number."""
+    for name, quantity in SUMMARY.items():
+        if name == "least_film_ratio":
+            yield "least film of the oil under load", "µm", _film(found)
+            yield "roughness", "µm", format_number(1e6 * found.roughness, 3)
+        shown = show(quantity)
+        words, digits = quantity.description.partition(":")[0], 3 if shown.factor != 1.0 else 4
+        yield words, shown.symbol, format_number(shown.factor * found.summary[name], digits)
+    for body, depth, place in zip(("cam", "follower"), found.deepest, _list_places(found), strict=True):
+        yield f"deepest wear of the {body}", "pm", format_number(1e12 * depth, 3)
+        yield place
+        yield f"{body} after all revolutions", "µm", format_number(1e6 * found.cycles * depth, 3)
+    yield "worn off each body", "µm³", format_number(1e18 * found.worn.volume, 3)
 
 
-def _follower_place(found: Judged) -> str:
-    return f"{1e3 * found.worn.follower_place[found.worn.follower_depth.argmax()]:.2f}"
-
-
-ROWS: tuple[tuple[str, str, Callable[[Judged], str]], ...] = (
-    ("mean friction torque", "N m", lambda f: format_number(f.summary.mean_torque)),
-    ("largest friction torque", "N m", lambda f: format_number(f.summary.largest_torque)),
-    ("mean friction power", "W", lambda f: format_number(f.summary.mean_power)),
-    ("friction work", "J", lambda f: format_number(f.summary.work)),
-    ("coefficient of friction", "", lambda f: format_number(f.summary.coefficient)),
-    ("asperities' share of the load", "%", lambda f: format_number(100.0 * f.summary.asperity_share, 3)),
-    ("asperities' share of the work", "%", lambda f: format_number(100.0 * f.summary.boundary_share, 3)),
-    ("least film of the oil under load", "µm", _film),
-    ("its ratio to the roughness", "", lambda f: format_number(f.summary.least_film_ratio, 3)),
-    ("roughness", "µm", lambda f: format_number(1e6 * f.roughness, 3)),
-    ("time in which contact is lost", "%", lambda f: format_number(100.0 * f.summary.lost, 3)),
-    ("deepest wear of the cam", "pm", lambda f: format_number(1e12 * f.deepest[0], 3)),
-    ("  at the cam angle", "deg", _cam_place),
-    ("deepest wear of the follower", "pm", lambda f: format_number(1e12 * f.deepest[1], 3)),
-    ("  at the place", "mm", _follower_place),
-    ("worn off each body", "µm³", lambda f: format_number(1e18 * f.worn.volume, 3)),
-    ("cam after all revolutions", "µm", lambda f: format_number(1e6 * f.cycles * f.deepest[0], 3)),
-    ("follower after all revolutions", "µm", lambda f: format_number(1e6 * f.cycles * f.deepest[1], 3)),
-)
+def _list_places(found: Judged) -> Iterator[tuple[str, str, str]]:
+    worn = found.worn
+    yield "  at the cam angle", "deg", f"{math.degrees(worn.cam_angle[worn.cam_depth.argmax()]):.0f}"
+    yield "  at the place", "mm", f"{1e3 * worn.follower_place[worn.follower_depth.argmax()]:.2f}"
 
 
 def tables(found: Sequence[Judged]) -> Iterator[Table]:
@@ -87,8 +80,8 @@ def tables(found: Sequence[Judged]) -> Iterator[Table]:
         note += f"from recorded rows, {apart:.3g} µs apart at most"
         title, contacts = "Friction and wear over the last revolution", [each.cycle.contact for each in some]
         table = make_table(title, ["quantity", "unit"], contacts, note)
-        for words, unit, text in ROWS:
-            table.add_row(words, unit, *map(text, some))
+        for rows in zip(*map(_list_rows, some), strict=True):
+            table.add_row(*rows[0], *(number for _, _, number in rows[1:]))
         yield table
 
 
@@ -101,9 +94,9 @@ def remarks(found: Judged) -> Iterator[Words]:
             f"{contact}: the run covers {math.degrees(cycle.turned):.4g} deg of the revolution; the other "
             f"{math.degrees(missing):.2g} deg count in no number here"
         )
-    if found.summary.lost > 0.0:
+    if found.summary["lost"] > 0.0:
         yield (
-            f"{contact}: contact is lost in {100.0 * found.summary.lost:.3g} % of the time. "
+            f"{contact}: contact is lost in {100.0 * found.summary['lost']:.3g} % of the time. "
             "Means are over all of it; the wear is that of sliding, without that of landing. These are rows "
             f"up to {1e6 * float(np.diff(cycle.time).max()):.3g} µs apart: summary.json has the peaks of all "
             "macro steps"

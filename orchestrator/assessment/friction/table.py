@@ -7,24 +7,10 @@ import xarray
 
 from models.core.quantities import Vector
 
-from .cycle import Cycle, Wear, summary
+from .cycle import SUMMARY, Cycle, Wear, summarise
 
-UNITS = {
-    "load": "N",
-    "asperity_load": "N",
-    "friction_force": "N",
-    "viscous_friction": "N",
-    "boundary_friction": "N",
-    "half_width": "m",
-    "film_ratio": "1",
-    "cam_speed": "rad/s",
-    "sliding_velocity": "m/s",
-    "radius_of_curvature": "m",
-    "contact_offset": "m",
-    "cam_lift": "m",
-}
-# Of means; the others are numbers.
-MEANS = {"mean_torque": "N.m", "largest_torque": "N.m", "mean_power": "W", "work": "J"}
+# What only computes others, and the abscissa.
+LEFT_OUT = ("cam_angle", "cam_sliding", "entraining_velocity")
 # Ends of the names of the CSV files with wear, by dimension.
 WEAR_TABLES = {"cam_place": "cam-wear", "follower_place": "follower-wear"}
 
@@ -36,7 +22,11 @@ def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
         return xarray.Variable(dimension, values, {"units": unit})
 
     found = xarray.Dataset(
-        {name: along("cam_angle", cycle[name], unit) for name, unit in UNITS.items()},
+        {
+            name: along("cam_angle", values, cycle.units.get(name, "1"))
+            for name, values in cycle.values.items()
+            if name not in LEFT_OUT
+        },
         coords={
             "cam_angle": along("cam_angle", cycle["cam_angle"], "rad"),
             "cam_place": along("cam_place", worn.cam_angle, "rad"),
@@ -47,8 +37,9 @@ def of(cycle: Cycle, worn: Wear, coefficient: float) -> xarray.Dataset:
     found["friction_power"] = along("cam_angle", cycle.power, "W")
     found["cam_wear"] = along("cam_place", worn.cam_depth, "m")
     found["follower_wear"] = along("follower_place", worn.follower_depth, "m")
-    for name, value in vars(summary(cycle)).items():
-        found[name] = xarray.Variable((), np.float64(value), {"units": MEANS.get(name, "1")})
+    for name, value in summarise(cycle).items():
+        about = {"units": SUMMARY[name].unit, "long_name": SUMMARY[name].description}
+        found[name] = xarray.Variable((), np.float64(value), about)
     return found.assign_attrs(
         contact=cycle.contact,
         wear_coefficient=coefficient,
