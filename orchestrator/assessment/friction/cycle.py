@@ -11,10 +11,10 @@ from models.contact.wear import trapezoidal, worn_depth
 from models.core.quantities import Quantity, Vector
 
 from ...errors import MistakeError
+from ..figures_of_merit import SHARE
 from ..lost_contact import LOST, ContactLaw
 
 TURN = 2.0 * math.pi
-SHARE = Quantity("1", display_unit="%")
 # Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
 OPEN = 0.01
 # The least movement of a contact over the cam, in radii of curvature per cam angle: it stands.
@@ -34,7 +34,7 @@ OF_CAM = (
 
 @dataclass(frozen=True)
 class Cycle:
-    """Records of one revolution: the variables of OF_CONTACT and OF_CAM, with their SI units, and the time."""
+    """Records of one revolution: the variables of OF_CONTACT and OF_CAM with their units, and the time."""
 
     contact: str
     time: Vector

@@ -94,9 +94,9 @@ def remarks(found: Judged) -> Iterator[Words]:
             f"{contact}: the run covers {math.degrees(cycle.turned):.4g} deg of the revolution; the other "
             f"{math.degrees(missing):.2g} deg count in no number here"
         )
-    if found.summary["lost"] > 0.0:
+    if (lost := found.summary["lost"]) > 0.0:
         yield (
-            f"{contact}: contact is lost in {100.0 * found.summary['lost']:.3g} % of the time. "
+            f"{contact}: contact is lost in {100.0 * lost:.3g} % of the time. "
             "Means are over all of it; the wear is that of sliding, without that of landing. These are rows "
             f"up to {1e6 * float(np.diff(cycle.time).max()):.3g} µs apart: summary.json has the peaks of all "
             "macro steps"
