@@ -10,16 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from .data import FigureData
-from .style import (
-    ACCENT,
-    COUPLED,
-    MUTED,
-    add_legend_above,
-    create_subplots,
-    label_abscissa,
-    plot_both,
-    shade,
-)
+from .style import ACCENT, COUPLED, MUTED, add_legend_above, create_subplots, label_abscissa, plot_both, shade
 
 ROWS = (
     ("load", "Load"),

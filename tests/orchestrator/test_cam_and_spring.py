@@ -104,15 +104,9 @@ def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, fol
     ("change", "said"),
     [
         (lambda lines: lines[:360], "has 360 lines; an .s96 file has 396 lifts"),
-        (
-            lambda lines: [*lines[:9], "1 2", *lines[10:]],
-            "line 10, '1 2': must be one lift in inches",
-        ),
+        (lambda lines: [*lines[:9], "1 2", *lines[10:]], "line 10, '1 2': must be one lift in inches"),
         (lambda lines: [*lines[:9], "nan", *lines[10:]], "line 10, 'nan': must be one lift in inches"),
-        (
-            lambda lines: [*lines[:395], "0.3"],
-            "line 396, '0.3': must repeat line 36, '0.0+'",
-        ),
+        (lambda lines: [*lines[:395], "0.3"], "line 396, '0.3': must repeat line 36, '0.0+'"),
         (lambda lines: [], "has 0 lines"),
         (lambda lines: ["0.0"] * 396, "its largest lift is 0 mm: must be > 0"),
     ],

@@ -212,10 +212,7 @@ def test_continuous_time_of_a_double_integrator_is_one():
 @pytest.mark.parametrize(
     ("build_fmu", "told"),
     [
-        (
-            lambda folder: small_fmu("sound", folder, restorable=True),
-            "restored states: second (residual",
-        ),
+        (lambda folder: small_fmu("sound", folder, restorable=True), "restored states: second (residual"),
         (lambda folder: c_fmu("sprung", 3, folder), "By their directional derivatives: second."),
     ],
     ids=["responses", "derivatives"],

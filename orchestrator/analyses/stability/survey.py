@@ -120,11 +120,7 @@ def survey(
     interval = scenario.macro_step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
     trajectory = _find_course(
-        scenario,
-        system,
-        plans,
-        np.arange(count + 1) * np.float64(interval),
-        lambda s: progress(0.2 * s),
+        scenario, system, plans, np.arange(count + 1) * np.float64(interval), lambda s: progress(0.2 * s)
     )
     scope.check(system, trajectory)
     rows = np.linspace(0, count, POINTS, endpoint=False).astype(int)

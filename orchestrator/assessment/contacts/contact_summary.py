@@ -17,17 +17,7 @@ from models.core.quantities import Vector
 from models.core.system import System
 
 from ..trains import find_law, find_train, list_parts
-from .accumulation import (
-    INPUTS,
-    LIFT,
-    OUTPUTS,
-    SEEN,
-    accumulate,
-    finish,
-    make_records,
-    regain,
-    replay,
-)
+from .accumulation import INPUTS, LIFT, OUTPUTS, SEEN, accumulate, finish, make_records, regain, replay
 
 # A landing whose load has its peak within fewer macro steps than this is not resolved.
 RESOLVED = 5
