@@ -131,8 +131,7 @@ def write_results(
     columns = {name: variable for name, variable in table.data_vars.items() if variable.ndim}
     if len({variable.dims for variable in columns.values()}) == 1:
         files.append(folder / f"{analysis.name}.csv")
-        frame = table[list(columns)].to_dataframe()
-        frame = frame[list(columns)].reset_index()
+        frame = table[list(columns)].to_dataframe().reset_index()
         frame.columns = [f"{name} [{table[name].attrs.get('units', '1')}]" for name in frame.columns]
         frame.to_csv(files[-1], index=False)
     if analysis.draw:

@@ -75,8 +75,9 @@ def test_files_read_back(tmp_path):
         assert "numpy" in table.attrs["versions"]
         rows = list(csv.reader((tmp_path / "trace.csv").read_text().splitlines()))
         assert len(rows) == 1 + table.sizes["point"]
-        column = rows[0].index("psi [rad]")
-        np.testing.assert_array_equal([float(row[column]) for row in rows[1:]], table.psi)
+        for name in ("psi", "theta"):
+            column = rows[0].index(f"{name} [rad]")
+            np.testing.assert_array_equal([float(row[column]) for row in rows[1:]], table[name])
     assert (tmp_path / "trace.png").read_bytes().startswith(b"\x89PNG")
 
 
