@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -58,7 +59,7 @@ def evaluate(
         results = {result: table[result].item() for result in analysis.results}
         if analysis.describe:
             reporter.line(analysis.describe(values))
-        reporter.console.print(build_results_table(analysis, results))
+        reporter.console.print(build_results_table(analysis, values, results))
         for warning in analysis.warn(results):
             reporter.line(f"warning: {warning}")
         for file in held:
@@ -145,10 +146,13 @@ def write_results(
     return files
 
 
-def build_results_table(analysis: Analysis, results: Mapping[str, float | str]) -> Table:
-    """The results with their units, without those that say nothing here."""
+def build_results_table(
+    analysis: Analysis, values: Mapping[str, Value], results: Mapping[str, float | str]
+) -> Table:
+    """The results with their units, to the digits that are known, without those that say nothing here."""
+    errors = analysis.list_errors(values, results)
     rows = (
-        (name, *_format_result(results[name], result), result.description)
+        (name, *_format_result(results[name], result, errors.get(name, 0.0)), result.description)
         for name, result in analysis.results.items()
         if str(results[name]) not in ("", "nan")
     )
@@ -190,11 +194,18 @@ def _build_table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Table
     return table
 
 
-def _format_result(value: float | str, result: Result) -> tuple[str, str]:
+def _format_result(value: float | str, result: Result, error: float) -> tuple[str, str]:
     """Value and unit, in the unit that the result is shown in."""
-    if isinstance(value, str) or not result.display_unit:
-        return _format_value(value), _format_unit(result.unit)
-    return _format_value(value / to_unit(f"1 {result.display_unit}", result.unit)), result.display_unit
+    if isinstance(value, str):
+        return value, _format_unit(result.unit)
+    unit = result.display_unit or result.unit
+    size = to_unit(f"1 {unit}", result.unit) if result.display_unit else 1.0
+    return _format_value(round_to(value / size, error / size)), _format_unit(unit)
+
+
+def round_to(value: float, error: float) -> float:
+    """Without the digits below the first one of the error."""
+    return round(value, -math.floor(math.log10(error))) if error > 0.0 and math.isfinite(value) else value
 
 
 def _format_value(value: Value) -> str:

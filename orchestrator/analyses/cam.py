@@ -1,10 +1,12 @@
 """A cam with its follower: shape, curvature, pressure angle, entrainment and derivatives of the lift."""
 
+from __future__ import annotations
+
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray
@@ -41,6 +43,9 @@ from ._cam_timing import PARAMETERS, RESULTS, find_timing
 from ._contour import write_dxf, write_svg
 from ._machine import column
 from .protocol import Parameter, Result, declare
+
+if TYPE_CHECKING:
+    from models.valve_train.cams.smoothing import SmoothedLift  # its libraries take long to import
 
 POINTS = 720
 # Half a step of differences (rad) for the jerk.
@@ -147,7 +152,7 @@ def _evaluate_table(
         "shape": _describe_shape(radius, float(radii[least]), values),
         "largest_pressure_angle": float(np.abs(pressure).max()),
         **find_timing(profile, values),
-        "reversals": ", ".join(f"{math.degrees(a):.2f}" for a in zeros) or "none",
+        "reversals": ", ".join(_format_reversals(zeros, slopes, smoothing)) or "none",
         "slope_at_reversals": float(max(slopes, default=math.nan)),
         "table_choices": "; ".join(read.list_notes()) or "none" if read else "",
         "table_doubts": "; ".join(read.list_doubts(smoothing)) or "none" if read and smoothing else "",
@@ -168,6 +173,30 @@ def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tup
     ]
     slopes = [abs(entraining(a + STEP) - entraining(a - STEP)) / STEP for a in zeros]
     return zeros, slopes
+
+
+def _format_reversals(
+    zeros: Sequence[float], slopes: Sequence[float], smoothing: SmoothedLift | None
+) -> Iterator[str]:
+    """In degrees, of a lift table to what the errors of s'' leave of them: 2 u/omega has twice those."""
+    for zero, slope in zip(zeros, slopes, strict=True):
+        error = math.degrees(2.0 * smoothing.curvature_error / slope) if smoothing and slope else 0.0
+        yield f"{math.degrees(zero):.{2 if error < 0.01 else max(0, -math.floor(math.log10(error)))}f}"
+
+
+def _list_errors(values: Mapping[str, Any], results: Mapping[str, Any]) -> dict[str, float]:
+    """Of a lift table: lifts are known to its resolution, s'' and the radius that follows from it to its
+    error, jerks and slopes to that share of them at best."""
+    bend, square = results["curvature_uncertainty"], values["speed"] ** 2
+    if math.isnan(bend):
+        return {}
+    share = bend * square / results["largest_acceleration"]
+    steep = {name: share * results[name] for name in ("largest_jerk", "slope_at_reversals")}
+    return {
+        **{"largest_lift": results["table_resolution"], "least_radius": bend, **steep},
+        **dict.fromkeys(("largest_acceleration", "least_acceleration"), bend * square),
+        **{name: 0.1 * results[name] for name in ("curvature_uncertainty", "table_residual")},
+    }
 
 
 def _describe_shape(radius: Vector, least: float, values: Mapping[str, Any]) -> str:
@@ -320,4 +349,5 @@ ANALYSIS = declare(
     },
     describe=_describe,
     warn=_warn,
+    list_errors=_list_errors,
 )

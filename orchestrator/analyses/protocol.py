@@ -112,7 +112,8 @@ class Analysis:
     `table` returns the data behind the results and, as variables without dimension, the results. `draw`
     returns a figure of a table and the parameters. `texts` are further files by their endings: functions that
     return the text of a table and the parameters. `describe` says in words what the results are of,
-    `warn` what of the results a user must not overlook.
+    `warn` what of the results a user must not overlook, `list_errors` about how far off numbers of given
+    parameters and results are, in their units: no finer digit is printed.
     """
 
     name: str
@@ -125,6 +126,9 @@ class Analysis:
     texts: Mapping[str, Callable[[xarray.Dataset, Mapping[str, Any]], str]] = field(default_factory=dict)
     describe: Callable[[Mapping[str, Any]], str] | None = None
     warn: Callable[[Mapping[str, Any]], Sequence[str]] = field(default=lambda results: ())
+    list_errors: Callable[[Mapping[str, Any], Mapping[str, Any]], Mapping[str, float]] = field(
+        default=lambda values, results: {}
+    )
 
     def parameter(self, name: str) -> Parameter:
         """The parameter of that name; MistakeError if there is none."""

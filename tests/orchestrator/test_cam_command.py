@@ -1,5 +1,6 @@
 """Cams: the command's drawings lift the follower as asked, scenarios give their cam, segments make one."""
 
+import json
 import math
 import re
 from pathlib import Path
@@ -329,3 +330,21 @@ def test_shipped_trains_of_engines_have_cams_of_engines_and_one_hot_oil(name):
     assert scenario.oil, "its temperature is that of all parts"
     assert scenario.temperature == pytest.approx(373.15)
     assert not any("viscosity" in table.parameters and table.oil for table in scenario.components.values())
+
+
+def test_no_digit_that_a_lift_table_denies_is_printed(tmp_path):
+    """Of accelerations those below the error of s'', which the same table states; reversals are zeros of
+    s + R0 + 2 s''."""
+    done = called("cam", "my-cam", "--json", "--out", str(tmp_path / "cam"))
+    data = json.loads(done.stdout)
+    shown = {words[0]: words[1:] for line in done.stderr.splitlines() if (words := line.split())}
+    error = data["curvature_uncertainty"]
+    for name, least in (
+        ("largest_acceleration", error * (1000.0 * math.pi / 30.0) ** 2), ("least_radius", 1e3 * error),
+    ):  # fmt: skip
+        printed, exact = float(shown[name][0]), data[name] * (1e3 if "radius" in name else 1.0)
+        assert printed == pytest.approx(exact, abs=least)
+        assert printed != pytest.approx(exact, abs=1e-3 * least)
+    slip = math.degrees(2.0 * error / data["slope_at_reversals"])
+    assert slip > 1.0
+    assert not any("." in angle for angle in shown["reversals"][:2])
