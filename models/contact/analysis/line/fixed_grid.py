@@ -56,7 +56,6 @@ class Fields:
     p: Vector
     h: Vector
     approach: float
-    iterations: int
 
 
 class Mesh(NamedTuple):
@@ -94,7 +93,7 @@ def cold_start(
         film += START_ROUGH * bodies.roughness
     place_film(load, film, radius, bodies, w.X, scale, p, h)
     approach = deflection(load, radius, bodies.length, bodies.compliance) - film
-    return Fields(mesh, w.X, scale, p, h, approach, 0)
+    return Fields(mesh, w.X, scale, p, h, approach)
 
 
 def interpolate_film(start: Fields, mesh: Mesh) -> Fields:
@@ -102,7 +101,7 @@ def interpolate_film(start: Fields, mesh: Mesh) -> Fields:
     X = workspace(mesh).X
     p = np.interp(X, start.X, start.p)
     h = np.exp(np.interp(X, start.X, np.log(start.h)))
-    return Fields(mesh, X, start.scale, p, h, start.approach, 0)
+    return Fields(mesh, X, start.scale, p, h, start.approach)
 
 
 @kernel
@@ -147,13 +146,12 @@ def steady_on_grid(
     before, after = np.empty(n), np.empty(n)
     last = LAST_STEP * transit
     step = last if at_once else FIRST_STEP * transit
-    failures, iterations = 0, 0
+    failures = 0
     approach = math.nan
     while True:
         trial_p, trial_h = p.copy(), h.copy()
         problem = FilmProblem(scale, 0.0, flow, line_load, step)
         found = take_step(trial_p, trial_h, approach, problem, bodies, fluid, squeeze, before, w)
-        iterations += found.iterations
         if found.error != 0.0:
             failures += 1
             if failures > MOST_FAILURES:
@@ -164,6 +162,6 @@ def steady_on_grid(
         changed = float(np.max(np.abs(after - before))) / float(np.max(after))
         p, h, approach = trial_p, trial_h, found.approach
         if step == last and changed < SETTLED:
-            return Fields(start.mesh, start.X, scale, p, h, approach, iterations)
+            return Fields(start.mesh, start.X, scale, p, h, approach)
         step *= EASY_GROWTH if found.iterations <= EASY_ITERATIONS else HARD_GROWTH
         step = min(step, last)

@@ -85,8 +85,7 @@ class SteadyFilm:
     which `asperity_load` (N) is the asperities'.
 
     `mesh_error`: of central and minimum film, relative, by the changes along the series (of one grid: inf).
-    `starvation`: the share of the load that oil from beyond the grid would carry, at most. `load_error`:
-    relative. `series`: nodes, central and minimum film of each grid.
+    `starvation`: the share of the load that oil from beyond the grid would carry, at most.
     """
 
     contact: LineContact
@@ -98,12 +97,8 @@ class SteadyFilm:
     central_film: float
     minimum_film: float
     asperity_load: float
-    load_error: float
     mesh_error: float
     starvation: float
-    nodes_on_half_width: float
-    iterations: int
-    series: tuple[tuple[int, float, float], ...]
     warnings: tuple[str, ...] = ()
 
     @property
@@ -179,7 +174,7 @@ def solve_steady(contact: LineContact, tolerance: float = TOLERANCE, nodes: int 
             f"M = {contact.M:.4g}, L = {contact.L:.4g}: no film found on {_series(nodes)[-1]} nodes; "
             + likely_cause(contact, _expected(contact), nodes)
         )
-    film = _film(contact, found, error, starvation)
+    film = _film(contact, found[-1], error, starvation)
     faults = _faults(film, tolerance)
     if nodes is None and faults:
         raise LineContactError(f"M = {contact.M:.4g}, L = {contact.L:.4g}: {'; '.join(faults)}")
@@ -260,17 +255,15 @@ def _on(mesh: Mesh, contact: LineContact, found: Sequence[Fields]) -> Fields | N
     """The film on that grid, from the one before or from none."""
     bodies = _bodies(contact)
     flow = Flow(contact.velocity, contact.sliding, contact.radius)
-    if found:
-        start = interpolate_film(found[-1], mesh)
-        fields = steady_on_grid(
-            start, flow, contact.load, bodies, contact.lubricant, contact.squeeze, at_once=True
-        )
-        if fields is not None:
-            return fields
-    start = cold_start(contact.load, _expected(contact), contact.radius, bodies, _scale(contact), mesh)
-    return steady_on_grid(
-        start, flow, contact.load, bodies, contact.lubricant, contact.squeeze, at_once=False
-    )
+
+    def settle(start: Fields, at_once: bool) -> Fields | None:
+        fluid = contact.lubricant
+        return steady_on_grid(start, flow, contact.load, bodies, fluid, contact.squeeze, at_once)
+
+    if found and (fields := settle(interpolate_film(found[-1], mesh), True)) is not None:
+        return fields
+    cold = cold_start(contact.load, _expected(contact), contact.radius, bodies, _scale(contact), mesh)
+    return settle(cold, False)
 
 
 def _mesh_error(found: Sequence[Fields]) -> float:
@@ -289,12 +282,10 @@ def _mesh_error(found: Sequence[Fields]) -> float:
     return worst
 
 
-def _film(contact: LineContact, found: Sequence[Fields], error: float, starvation: float) -> SteadyFilm:
-    last = found[-1]
+def _film(contact: LineContact, last: Fields, error: float, starvation: float) -> SteadyFilm:
     total = np.empty(last.p.size)
     fill_total(last.p, last.h, _bodies(contact), total)
     weight = workspace(last.mesh).weight
-    carried = integrate_pressure(total, weight, last.scale) * contact.length
     return SteadyFilm(
         contact=contact,
         x=last.X * last.scale,
@@ -305,12 +296,8 @@ def _film(contact: LineContact, found: Sequence[Fields], error: float, starvatio
         central_film=float(central(last.h)),
         minimum_film=float(least(last.h)),
         asperity_load=float(integrate_pressure(total - last.p, weight, last.scale)) * contact.length,
-        load_error=abs(carried / contact.load - 1.0),
         mesh_error=error,
         starvation=starvation,
-        nodes_on_half_width=float(np.count_nonzero(np.abs(last.X * last.scale) < contact.half_width)) / 2.0,
-        iterations=sum(fields.iterations for fields in found),
-        series=tuple((f.mesh.nodes, float(central(f.h)), float(least(f.h))) for f in found),
     )
 
 
@@ -319,8 +306,9 @@ def _faults(film: SteadyFilm, tolerance: float) -> list[str]:
     faults = []
     if film.mesh_error > tolerance:
         size = f"{film.mesh_error:.2g}" if math.isfinite(film.mesh_error) else "not known"
+        on_half_width = float(np.count_nonzero(np.abs(film.x) < film.contact.half_width)) / 2.0
         faults.append(
-            f"{film.nodes} nodes ({film.nodes_on_half_width:.0f} on the half width) are too coarse: the "
+            f"{film.nodes} nodes ({on_half_width:.0f} on the half width) are too coarse: the "
             f"film's error is {size}, more than {tolerance:g}; take more nodes, or allow a larger tolerance"
         )
     if film.starvation > tolerance:

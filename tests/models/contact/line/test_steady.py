@@ -187,7 +187,6 @@ def test_pressure_carries_the_load(M, L, record):
     found = np.trapezoid(p, film.x) * film.contact.length
     quantity = "load that the steady pressure carries (N)"
     record("Field", quantity, found, film.contact.load, "load given", relative=1e-7)
-    assert film.load_error < 1e-7
     assert film.warnings == ()
 
 
