@@ -67,7 +67,8 @@ def _describe_merit(row: dict[str, str]) -> str:
     """Its value, and the angle at which it stands, or the time."""
     if row["angle [deg]"]:
         return f"{row['value']} at {float(row['angle [deg]']):.1f}°"
-    return f"{row['value']} at {row['time [ms]']} ms" if row["time [ms]"] else row["value"]
+    time = row["time [ms]"]
+    return f"{row['value']} at t = {1e-3 * float(time):.6g} s" if time else row["value"]
 
 
 def _to_numbers(row: dict[str, str]) -> dict[str, float | None]:

@@ -140,15 +140,6 @@ def test_what_has_no_cam_is_named(source, component, message):
         find_settings(source, component)
 
 
-@pytest.mark.parametrize(("option", "value"), [("--base-radius", "24"), ("--speed", "3000")])
-def test_a_number_without_its_unit_is_refused(option: str, value: str, tmp_path: Path) -> None:
-    """Where it is plausible only in another unit than SI."""
-    done = called("cam", "cycloidal", option, value, "--out", str(tmp_path / "cam"))
-    assert done.returncode == 2
-    assert "Write the unit" in done.stderr
-    assert not (tmp_path / "cam").exists()
-
-
 def test_the_cam_of_a_scenario_is_that_of_its_run(tmp_path):
     """Ramps join the table where the scenario says; options replace what it says."""
     own = tmp_path / "own.toml"

@@ -203,50 +203,6 @@ def test_ctrl_c_and_sigterm_keep_what_was_computed(asked, tmp_path):
     assert (out / "unfinished" / "checkpoint").exists()
 
 
-MISTAKES = {
-    ("run", "none.toml"): "? tribocosim scenarios lists those shipped",
-    (
-        "run",
-        ".",
-    ): "is a folder; give the path of a .toml file, or a shipped scenario: tribocosim scenarios lists",
-    ("run", "valve-train", "--master", "jacob"): "did you mean jacobi?",
-    ("run", "valve-train", "--out", "pyproject.toml"): "is a file",
-    ("speeds", "valve-train", "--count", "2", "--out", "pyproject.toml/x"): "pyproject.toml: is a file",
-    **dict.fromkeys(
-        [
-            ("resume", "none"),
-            ("report", "none"),
-            ("diagnose", "none"),
-            ("friction", "none"),
-            ("compare", "none", "docs"),
-        ],
-        "none: there is no such folder; give the output folder",
-    ),
-    ("resume", "docs"): "docs: holds no run",
-    ("calibrate", "valve-train", "none.csv", "--parameters", "contact.viscosity"): "none.csv: cannot be read",
-    ("sensitivities", "valve-train", "--speed", "2000"): "--speed 2000: write the unit",
-    ("tolerances", "valve-train", "none.toml"): "none.toml: cannot be read",
-    ("compare", "docs", "docs"): "docs: holds no finished sweep",
-    ("fmu", "validate", "none.fmu"): "no such file",
-    ("fmu", "validate", "docs"): "docs: is a folder; give its files: docs/*.fmu",
-    ("fmu", "info", "none.fmu"): "no such file",
-    ("fmu", "info", "pyproject.toml"): "not an FMU",
-    ("fmu", "build", "camsaft"): "did you mean camshaft?",
-    ("fmu", "compare", "none.fmu"): "no such file",
-    ("fmu", "compare", "docs"): "docs: has no .fmu files",
-    ("fmu", "compare", "pyproject.toml"): "not a zip archive",
-    ("fmu", "compare", "docs", "--tolerance", "0"): "must be > 0",
-    ("fmu", "build", "--structure", "coil_masses=3"): "name the one component",
-    ("fmu", "build", "valve_spring", "--structure", "coil_masses"): "must be NAME=NUMBER",
-    ("fmu", "build", "valve_spring", "--structure", "coil_masses=-3"): "coil_masses = -3: must be from 1 to",
-    ("fmu", "build", "ehl_line_contact", "--structure", "nodes=-1"): "nodes = -1: must be odd",
-    ("fmu", "build", "camshaft", "--platform", "x86_64-linux"): "for Linux and Windows alike",
-    ("fmu", "build", "flywheel", "--fmi", "3"): "add --native",
-    ("fmu", "build", "flywheel", "--native", "--fmi", "1"): "--fmi 1: must be 2 or 3",
-    ("fmu", "build", "valve_spring", "--structure", "coils=3"): "did you mean coil_masses?",
-}
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="asks as bash does")
 def test_the_shell_completes_names():
     asked = {
@@ -271,13 +227,6 @@ def test_completed_names_are_those_that_are_known():
     assert complete_study("") == sorted(studies.list_shipped())
     assert complete_component("") == sorted(NAMES)
     assert complete_component("valve_") == ["valve_spring"]
-
-
-@pytest.mark.parametrize("arguments", MISTAKES)
-def test_a_mistake_is_one_message_and_status_2(arguments):
-    done = called(*arguments)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert MISTAKES[arguments] in said(done)
 
 
 def test_native_fmus_without_their_tools_are_a_mistake_and_nothing_is_written(monkeypatch, tmp_path):

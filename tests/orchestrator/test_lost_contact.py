@@ -18,8 +18,6 @@ from orchestrator.report.packing import list_spans
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 
-from .commands import called
-
 # A lash of 0.2 mm, and a lobe above 0.8 mm.
 LAW = ContactLaw(0.2e-3, 0.8e-3)
 # A cam's lift (mm), row by row: base circle, ramp, lobe, ramp, base circle.
@@ -125,13 +123,6 @@ def test_texts_figures_pages_and_cycles_have_one_definition():
     assert math.isinf(find_law(build_system(load("direct-acting-hla")), "cam_contact").lobe)
 
 
-@pytest.mark.parametrize("command", ["run", "speeds", "design", "wear", "sensitivities"])
-def test_a_lash_that_the_cam_does_not_take_up_is_refused(command, tmp_path):
-    """10 mm at the valve are 8 mm at the rod's end of the rocker, of a cam that lifts by 7.35 mm; of 9 mm at
-    the valve some lift is left."""
-    lash = "components.valve_spring.parameters.lash"
-    check_lash(build_system(load("pushrod-train", [f"{lash}=9 mm"])))
-    done = called(command, "pushrod-train", "--set", f"{lash}=10 mm", "--out", str(tmp_path / "out"))
-    assert done.returncode == 2
-    assert "its lash takes 8 mm of the lift of tappet, which is 7.35 mm; lower the lash" in done.stderr
-    assert not (tmp_path / "out").exists()
+def test_a_lash_that_leaves_some_lift_is_taken():
+    """9 mm at the valve are 7.2 mm at the rod's end of the rocker, of a cam that lifts by 7.35 mm."""
+    check_lash(build_system(load("pushrod-train", ["components.valve_spring.parameters.lash=9 mm"])))

@@ -298,32 +298,6 @@ def test_a_run_and_a_sweep_are_not_compared(tmp_path):
         )
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("quarter-car",), "no flywheel prescribes the speed"),
-        (("slider-crank",), "has no cam"),
-        (
-            ("valve-train", "--from", "2000 rpm", "--to", "1000 rpm"),
-            "--from '2000 rpm': must be less than --to '1000 rpm'",
-        ),
-        (("valve-train", "--from", "2 mm"), "--from = '2 mm'"),
-        (("valve-train", "--from", "500"), "--from 500: write the unit, e.g. 500 rpm, or 500 rad/s"),
-        (
-            ("valve-train", "--set", "components.valve_spring.parameters.spring_rate=45"),
-            "did you mean 45 N/mm?",
-        ),
-        (("valve-tran",), "did you mean valve-train"),
-        (("valve-train", "--set", "components.camshaft.parameters.base_radius=12 mm"), "undercut"),
-    ],
-)
-def test_mistakes_are_named_before_anything_is_written(arguments, message, tmp_path):
-    done = called("speeds", *arguments, "--out", str(tmp_path / "out"))
-    assert done.returncode == 2
-    assert message in said(done)
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkeypatch):
     """Of a train that is lost above a speed known for each formula, in contacts only."""
     tables = read_changed("valve-train", [])

@@ -255,18 +255,6 @@ def test_a_coefficient_may_be_one_number_or_have_a_unit() -> None:
     assert (found.low, found.high) == pytest.approx((1e-18, 1e-16))
 
 
-def test_scenarios_that_cannot_wear_are_refused_in_one_sentence(tmp_path: Path) -> None:
-    for scenario, words in {
-        "slider-crank": "no contact slides on a cam",
-        "pushrod-engine": "choose --contact",
-        "valve-train": "or less",
-    }.items():
-        done = called("wear", scenario, "--until", "3 mm", "--out", str(tmp_path / "out"))
-        assert done.returncode == 2
-        assert words in said(done)
-        assert not (tmp_path / "out").exists()
-
-
 def test_where_on_the_cam() -> None:
     assert describe_place(math.radians(181.0)) == "at the nose"
     assert describe_place(math.radians(155.6)) == "24 deg before the nose"

@@ -12,6 +12,7 @@ from ..messages import say, show, tell_replaced
 from .completion import complete_component
 from .error_report import report_errors
 from .json_output import Json, print_json
+from .options import Settings
 
 
 @report_errors
@@ -41,10 +42,7 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     scenario: Annotated[
         str | None, typer.Option(help="Scenario whose components are built, with its values as defaults.")
     ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="PATH=VALUE", help="With --scenario: change the scenario."),
-    ] = None,
+    set_: Settings = None,
     whole: Annotated[
         bool, typer.Option("--whole", help="With --scenario: all its components as one FMU, SCENARIO.fmu.")
     ] = False,

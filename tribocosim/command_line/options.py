@@ -5,7 +5,12 @@ from typing import Annotated, Any
 import typer
 
 Settings = Annotated[
-    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario.")
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help="Change the scenario, e.g. components.camshaft.parameters.lift='9 mm'.",
+    ),
 ]
 Workers = Annotated[
     int | None, typer.Option(min=1, help="Processes on this machine.", show_default="one a core")

@@ -13,7 +13,7 @@ from .apart import carry_out_apart
 from .completion import ScenarioName
 from .error_report import INTERRUPTED, report_errors
 from .json_output import Json, build_reporter, print_json
-from .options import folder_option
+from .options import Settings, folder_option
 
 if TYPE_CHECKING:
     from models.core.remedies import Words
@@ -30,14 +30,7 @@ Verbose = Annotated[
 def run_scenario(  # noqa: PLR0913  # options of a command
     scenario: ScenarioName,
     out: Annotated[Path | None, folder_option("results/SCENARIO")] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="PATH=VALUE",
-            help="Change the scenario, e.g. components.camshaft.parameters.lift='9 mm'.",
-        ),
-    ] = None,
+    set_: Settings = None,
     native: Annotated[
         bool, typer.Option("--native", help="Use native FMUs wherever the scenario builds FMUs.")
     ] = False,

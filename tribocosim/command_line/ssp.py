@@ -8,7 +8,7 @@ import typer
 from ..messages import show
 from .completion import complete_scenario
 from .error_report import report_errors
-from .options import folder_option
+from .options import Settings, folder_option
 
 
 @report_errors
@@ -21,9 +21,7 @@ def ssp_export(
         ),
     ],
     out: Annotated[Path | None, typer.Option(help="Output file.", show_default="SCENARIO.ssp")] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change the scenario, as for run.")
-    ] = None,
+    set_: Settings = None,
     version: Annotated[
         str, typer.Option(help="Of SSP: 1.0, or 2.0 for arrays and types of FMI 3.0.")
     ] = "1.0",

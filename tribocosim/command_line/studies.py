@@ -30,7 +30,7 @@ def run_study(
     workers: Workers = None,
     timeout: Annotated[float, typer.Option(min=0.1, help="Time to wait for the scheduler (s).")] = 10.0,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Repeat failed points.")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the store and start over.")] = False,
+    overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
     """Run a parameter study. The same command continues an interrupted study.
@@ -90,7 +90,7 @@ def run_calibrate(  # noqa: PLR0913  # options of the command
     out: Annotated[Path | None, folder_option("results/SCENARIO-calibration")] = None,
     set_: Settings = None,
     workers: Workers = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the results.")] = False,
+    overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
     """Fit parameters of a scenario to measured signals, with intervals, and say what they do not show.

@@ -112,7 +112,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         text += f"{which} {summary.film_ratio:.2g}{borne}" if summary.film_ratio > 0.0 else "smooth surfaces"
     yield text
     if s := summary.separation:
-        longest = f"the longest {1e3 * s.longest:.3g} ms from {at('separation')}"
+        longest = f"the longest {format_time(s.longest)} from {at('separation')}"
         text = f"{tally(s.count, 'separation')}, {longest}"
         gap = f"; largest gap {format_number(1e6 * s.gap, 3)} µm at {at('gap')}"
         yield text + (gap if s.gap > 0.0 else "")

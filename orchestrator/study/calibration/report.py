@@ -26,6 +26,7 @@ from ...scenario.files import to_short_toml
 from ...scenario.system import list_outputs, list_quantities
 from ...scenario.units import to_unit
 from ...store.csv_file import write_rows
+from ...texts import to_plain
 from .doubts import find_doubt
 from .fit import Fit, half_width
 from .objective import Objective
@@ -175,7 +176,7 @@ def write(done: Calibration, extends: str, out: Path) -> list[str]:
         ],
         "notes": done.notes,
     }  # fmt: skip
-    (out / NUMBERS).write_text(json.dumps(_finite(about), indent=1) + "\n", "utf-8")
+    (out / NUMBERS).write_text(json.dumps(to_plain(about), indent=1) + "\n", "utf-8")
     panels = _list_panels(done)
     signals = (
         [one.signal, one.unit, "" if one.speed is None else one.speed, *row]
@@ -190,15 +191,6 @@ def write(done: Calibration, extends: str, out: Path) -> list[str]:
     draw = partial(draw_parameters, [row.name for row in rows], ends, done.fit.correlation)
     save_figure(lambda: draw(f"{name}: fitted parameters"), out / INTERVALS)
     return [FITTED, TABLE, NUMBERS, SIGNALS, FIGURE, INTERVALS]
-
-
-def _finite(value: Any) -> Any:
-    """JSON has no infinite numbers."""
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _write_scenario(done: Calibration, extends: str, out: Path) -> str:
