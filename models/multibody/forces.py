@@ -35,19 +35,10 @@ class SpringDamper:
 
 
 @dataclass(frozen=True)
-class LubricatedCam:
-    """A flat face on a cam with an oil film: the unilateral law of `ehl_contact` in place of a constraint.
-
-    `contact` is what `flat_cam` gives, `lubricant` the record of the contact's parameters, `film` the
-    thickness (m) at the start.
-    """
+class Touching:
+    """A contact that no joint holds; `contact` is what `flat_cam` or another contact gives."""
 
     contact: Joint
-    lubricant: Any
-    film: float = 1e-6
-
-    def __post_init__(self) -> None:
-        check_values(f"contact {self.name}", film=self.film)
 
     @property
     def name(self) -> str:
@@ -55,23 +46,32 @@ class LubricatedCam:
 
 
 @dataclass(frozen=True)
-class ContactSpring:
+class LubricatedCam(Touching):
+    """A flat face on a cam with an oil film: the unilateral law of `ehl_contact` in place of a constraint.
+
+    `lubricant` is the record of the contact's parameters, `film` the thickness (m) at the start.
+    """
+
+    lubricant: Any
+    film: float = 1e-6
+
+    def __post_init__(self) -> None:
+        check_values(f"contact {self.name}", film=self.film)
+
+
+@dataclass(frozen=True)
+class ContactSpring(Touching):
     """A spring and damper in place of a contact's constraint: W = k C + c C', C the overlap of the bodies.
 
     It never pulls unless it is bonded.
     """
 
-    contact: Joint
     stiffness: float
     damping: float = 0.0
     bonded: bool = False
 
     def __post_init__(self) -> None:
         check_values(f"contact {self.name}", stiffness=self.stiffness, damping=self.damping)
-
-    @property
-    def name(self) -> str:
-        return self.contact.name
 
 
 @dataclass(frozen=True)

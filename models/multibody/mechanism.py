@@ -66,10 +66,9 @@ class Mechanism:
         """ModelError for names that are not unique, and a gravity that is no vector."""
         if not self.bodies:
             raise ModelError("a mechanism needs at least one body")
-        contacts = [f.name for f in self.forces if isinstance(f, LubricatedCam | ContactSpring)]
         for kind, names in (
             ("body", [GROUND, *(body.name for body in self.bodies)]),
-            ("joint or contact", [*(joint.name for joint in self.joints), *contacts]),
+            ("joint or contact", [*(joint.name for joint in self.joints), *self.contacts]),
         ):
             if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
                 raise ModelError(f"{kind} {twice[0]}: there are two of this name; give each its own")

@@ -38,25 +38,14 @@ def find_drive_angle(drive: Any, t: float) -> float:
 
 # The law W = k C + c C' of a contact; one that is not bonded never pulls.
 PRESS = np.dtype([("stiffness", "f8"), ("damping", "f8"), ("bonded", "f8")])
-# A spring and damper along the line between two points.
-SPRING = np.dtype(
-    [
-        ("i", "i8"),
-        ("j", "i8"),
-        ("at_i", "f8", 3),
-        ("at_j", "f8", 3),
-        ("length", "f8"),  # without force
-        ("stiffness", "f8"),
-        ("damping", "f8"),
-    ]
-)
+# Of an element between two points.
+_ENDS = [("i", "i8"), ("j", "i8"), ("at_i", "f8", 3), ("at_j", "f8", 3)]
+# A spring and damper along the line between them; its length is that without force.
+SPRING = np.dtype([*_ENDS, ("length", "f8"), ("stiffness", "f8"), ("damping", "f8")])
 # An elastic field between a frame of i and one of j, whose axes are the columns of axes_i and axes_j.
 FIELD = np.dtype(
     [
-        ("i", "i8"),
-        ("j", "i8"),
-        ("at_i", "f8", 3),
-        ("at_j", "f8", 3),
+        *_ENDS,
         ("axes_i", "f8", (3, 3)),
         ("axes_j", "f8", (3, 3)),
         ("rest", "f8", 3),  # of the displacement
@@ -133,16 +122,9 @@ class Evaluation(NamedTuple):
 
 def make_rows(tables: Tables, rows: Any) -> Rows:
     """Storage for these rows."""
-    ends = np.stack([rows["i"], rows["j"]], axis=1)
-    count = len(rows)
-    return Rows(
-        np.zeros(count),
-        np.zeros((count, 2, 6)),
-        np.zeros(count),
-        np.zeros(count),
-        ends,
-        np.zeros(len(tables.mass)),
-    )
+    count, ends = len(rows), np.stack([rows["i"], rows["j"]], axis=1)
+    value, rate, gamma = np.zeros((3, count))
+    return Rows(value, np.zeros((count, 2, 6)), rate, gamma, ends, np.zeros(len(tables.mass)))
 
 
 def make_evaluation(tables: Tables) -> Evaluation:
