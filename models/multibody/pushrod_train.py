@@ -98,10 +98,7 @@ class PushrodTrain:
         angle = float(self.states["flywheel"].angle)
         turned, turning = (0.0, 0.0, angle), (0.0, 0.0, speed)
         cam = Body("cam", CAM_MASS, CAM_INERTIA, angles=turned, angular_velocity=turning)
-        drive = [
-            revolute(BEARING, GROUND, "cam"),
-            prescribed_rotation(DRIVE, GROUND, "cam", speed, angle),
-        ]
+        drive = [revolute(BEARING, GROUND, "cam"), prescribed_rotation(DRIVE, GROUND, "cam", speed, angle)]
         bodies, joints = [cam, *self._list_bodies()], [*drive, *self._list_joints()]
         return Mechanism(bodies, joints, self._list_forces(), profile=profile)
 

@@ -19,10 +19,7 @@ from models.contact.analysis.bearing.table import describe
 from models.contact.asperities import Asperities, asperity_pressure
 from models.contact.asperity_arc import Arc, press_arc
 from models.contact.finite_bearing import find_finite_squeeze, find_highest_pressure
-from models.contact.grooved_bearing import (
-    Grooves,
-    find_grooved_squeeze,
-)
+from models.contact.grooved_bearing import Grooves, find_grooved_squeeze
 from models.contact.short_bearing import Squeeze, find_force, find_impedance, find_squeeze, highest_pressure
 
 pytestmark = pytest.mark.plain

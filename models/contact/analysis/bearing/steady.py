@@ -34,11 +34,7 @@ class Steady:
 
 
 def solve_steady(
-    eps: float,
-    ratio: float,
-    grooves: Sequence[float] = (),
-    around: int = AROUND,
-    across: int = ACROSS,
+    eps: float, ratio: float, grooves: Sequence[float] = (), around: int = AROUND, across: int = ACROSS
 ) -> Steady:
     """Of a bearing with grooves at angles (rad) from the load, none by default; ratio = L/D."""
 

@@ -19,14 +19,7 @@ from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance, half_width
 from models.contact.line.grid import node_positions
 from models.contact.line.hierarchical import BAND
-from models.contact.line.mixed import (
-    BALANCED,
-    TOUCHING,
-    Bodies,
-    couple_asperities,
-    mean_plane_gap,
-    touch,
-)
+from models.contact.line.mixed import BALANCED, TOUCHING, Bodies, couple_asperities, mean_plane_gap, touch
 from models.contact.line.newton import deflection_factors
 from models.contact.line.reynolds import Flow, balance, properties
 from models.contact.load_sharing import formula_film, share_load
