@@ -5,12 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from models.contact.analysis.line.history import film_history, formula_history
+from models.contact.analysis.line.history import film_history
 from models.contact.analysis.line.line_contact import LineContact
 from models.contact.analysis.line.steady import solve_steady
 from models.contact.ehl_line_contact import ehl_line_contact
-from models.contact.films import FILMS
-from models.contact.films.groups import Conditions
 from models.contact.fluid import Lubricant
 from models.contact.hertz import elastic_compliance
 from models.contact.line.profile import read_profiles
@@ -193,15 +191,3 @@ def test_a_thousandfold_period_gives_the_steady_film() -> None:
         lag[stretch] = film.film_thickness[k] / steady.central_film - 1.0
     assert lag[1.0] > 3.0 * NODES_ERROR
     assert abs(lag[1000.0]) < NODES_ERROR
-
-
-@pytest.mark.parametrize("formula", ["kushwaha", "kushwaha_negative"])
-def test_a_relaxed_film_is_kept_at_rest_and_settles_under_entrainment(formula: str) -> None:
-    times = np.linspace(0.0, 0.2, 11)
-    even = np.ones_like(times)
-    kept = formula_history(formula, times, 500.0 * even, 0.0 * even, 0.02 * even, film_thickness=0.7e-6)
-    np.testing.assert_array_equal(kept, 0.7e-6)
-    steady = FILMS[formula](500.0, Conditions(2.0, 0.02, 0.012, STEEL, 0.036, 1.8e-8))
-    settled = formula_history(formula, times, 500.0 * even, 2.0 * even, 0.02 * even)
-    # Time constant 96.775 h/|u|, at most 0.3 ms here.
-    assert settled[-1] == pytest.approx(steady, rel=1e-8)
