@@ -14,7 +14,7 @@ from models.contact.records import ATOM
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
-from ..assessment.diagnosis.steps import NONE, Steps, read_steps
+from ..assessment.diagnosis.steps import NONE, Steps, read_group
 from ..assessment.films import FILMS, has_film, slides
 from ..assessment.trains import Angle, Train, find_angle, find_angles, find_lost_rows, find_trains
 from ..scenario.display import SYMBOLS, show
@@ -77,6 +77,7 @@ class FigureData:
             time, coupled = take("coupled", quantities)
             reference_time, reference = take("reference", quantities)
             energy_time, energies = take("energy")
+            steps = read_group(records.groups.get("steps"))
         return cls(
             title=scenario.name if records.attributes.get("complete") else f"{scenario.name} (incomplete)",
             time=time,
@@ -84,7 +85,7 @@ class FigureData:
             reference_time=reference_time,
             reference=reference,
             quantities=quantities,
-            steps=read_steps(folder)[0],
+            steps=steps,
             drivers={str(c.target): str(c.source) for c in system.connections},
             parameters=dict(zip(system.parameters.names, system.p.tolist(), strict=True)),
             system=system,

@@ -48,17 +48,32 @@ def collect_run(records: Records, scenario: Scenario | None, summary: Mapping[st
     _add_detail(records, bases, variables, panels)
     coupled = [str(v["name"]) for v in variables if v["group"] == "coupled"]
     system = build_system(scenario) if scenario else None
-    return {
-        "bases": bases,
-        "variables": variables,
+    abscissa = next((str(v["name"]) for v in variables if is_angle(str(v["name"]))), "")
+    marks = list_marks(coupled, lambda part: [_list_lost(records, system, part)])
+    return assemble(bases, variables, sketches, panels, abscissa, marks) | {
         "leftOut": left_out,
-        "sketches": [sketch.content() for sketch in sketches],
         "profiles": {name: _pack_profiles(group) for name, group in records.profiles.items()},
-        "panels": panels,
-        "abscissa": next((str(v["name"]) for v in variables if is_angle(str(v["name"]))), ""),
-        "marks": list_marks(coupled, lambda part: [_list_lost(records, system, part)]),
         "steps": _tell_steps(records, bases, variables, scenario),
     }
+
+
+def assemble(
+    bases: Sequence[Any], variables: Sequence[Any], sketches: Sequence[Sketch], panels: Sequence[str],
+    abscissa: str, marks: Sequence[Any],
+) -> dict[str, Any]:  # fmt: skip
+    """What the scripts of every page get; `panels` are drawn at first, over the `abscissa`."""
+    drawings = [sketch.content() for sketch in sketches]
+    return {
+        "bases": bases, "variables": variables, "leftOut": 0, "sketches": drawings, "panels": panels,
+        "abscissa": abscissa, "marks": marks,
+    }  # fmt: skip
+
+
+def choose(names: Sequence[str], endings: Sequence[str]) -> list[str]:
+    """The first name with each ending; of loads those of films come first."""
+    filmed = sorted(names, key=lambda name: f"{name.rpartition('.')[0]}.film_thickness" not in names)
+    found = (next((name for name in filmed if name.endswith(ending)), "") for ending in endings)
+    return [name for name in found if name]
 
 
 def is_angle(name: str) -> bool:

@@ -17,7 +17,7 @@ from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
 from ..scenario.oil import evaluate
 from ..scenario.system import build_system, list_parameters
-from .content import describe, list_marks
+from .content import assemble, choose, describe, list_marks
 from .mechanism import list_sketches
 
 # Instants of a cycle besides its begin.
@@ -63,16 +63,10 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
     angle = next((n for n in names if n.endswith(".cam_angle")), "")
     sketches = list_sketches(train.scenario, names)
     cycle = _tell_train(train, f"{train.flywheel}.angle")
-    content = {
-        "bases": [{"rows": SAMPLES + 1, "stretch": 1, "begin": 0.0, "every": 1.0, "end": float(SAMPLES)}],
-        "variables": [_describe(n, f.quantity) for n, f in zip(names, component.outputs.fields, strict=True)],
-        "leftOut": 0,
-        "sketches": [sketch.content() for sketch in sketches],
-        "panels": _choose(names),
-        "marks": list_marks(names, lambda part: []),
-        "abscissa": angle,
-        "cycle": cycle,
-    }
+    bases = [{"rows": SAMPLES + 1, "stretch": 1, "begin": 0.0, "every": 1.0, "end": float(SAMPLES)}]
+    variables = [_describe(n, f.quantity) for n, f in zip(names, component.outputs.fields, strict=True)]
+    marks = list_marks(names, lambda part: [])
+    content = assemble(bases, variables, sketches, choose(names, PANELS), angle, marks) | {"cycle": cycle}
     title, command = f"{name}: steady cycle", cycle["command"]
     said = {"name": name, "title": title, "good": True, "verdict": "computing", "command": command}
     return said, content
@@ -85,11 +79,6 @@ def _describe(name: str, quantity: Any) -> dict[str, Any]:
         "long_name": quantity.description,
     }
     return {**describe(name, attributes), "group": "coupled", "base": 0, "data": {}}
-
-
-def _choose(names: Sequence[str]) -> list[str]:
-    found = (next((name for name in names if name.endswith(ending)), "") for ending in PANELS)
-    return [name for name in found if name]
 
 
 def _tell_train(train: Train, turning: str) -> dict[str, Any]:

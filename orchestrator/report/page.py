@@ -13,13 +13,12 @@ from markupsafe import Markup
 
 from ..errors import MistakeError, another
 from ..scenario import Scenario, ScenarioError
-from ..scenario.display import show_unit
 from ..scenario.files import load
 from ..store import atomic_write
 from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
 from ..store.records import Records, open_records
 from ..texts import parse_json, read_text
-from .content import collect_run
+from .content import ATTRIBUTES, collect_run, describe
 from .cycle import Train, collect_cycle
 from .repetition import repeat
 
@@ -94,7 +93,7 @@ def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dic
     """What the page says of a run besides its content."""
     attributes = records.attributes
     errors = [
-        {"name": name, **error, "order": _finite(error.get("order")), **_find_unit(records, name)}
+        {**_find_unit(records, name), **error, "order": _finite(error.get("order"))}
         for name, error in summary.get("errors", {}).items()
     ]
     return {
@@ -118,9 +117,8 @@ def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dic
 def _find_unit(records: Records, name: str) -> dict[str, Any]:
     """The unit in which a variable's errors are shown, and the factor to it."""
     group = records.groups.get("coupled")
-    known = {key: group.attribute(name, key) for key in ("units", "display_units")} if group else {}
-    shown = show_unit(known.get("units", ""), known.get("display_units", ""))
-    return {"unit": shown.text, "factor": shown.factor}
+    known = {key: group.attribute(name, key) for key in ATTRIBUTES} if group else {}
+    return describe(name, known)
 
 
 def _read_asset(name: str) -> str:

@@ -18,7 +18,7 @@ from ..errors import MistakeError, Option
 from ..scenario import Scenario, ScenarioError, build_scenario
 from ..scenario.system import build_system
 from ..store.output_folder import CYCLES, STORE, SUMMARY, SWEPT
-from .content import describe, list_marks, read_film
+from .content import assemble, choose, describe, list_marks, read_film
 from .mechanism import list_sketches
 from .packing import list_spans, pack
 from .repetition import repeat
@@ -94,31 +94,19 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
     def list_lost(part: str) -> list[list[list[int]]]:
         return [list_spans(find_lost_rows(system, part, one.__getitem__)) for one in every]
 
-    return {
-        "bases": [{"rows": cycles.sizes["share"], "stretch": 1, "end": 1.0}],
-        "variables": variables,
-        "leftOut": 0,
-        "sketches": [sketch.content() for sketch in sketches],
-        "panels": _choose(names, PANELS) or names[:1],
-        "marks": list_marks(names, list_lost),
-        "abscissa": ANGLE,
+    bases = [{"rows": cycles.sizes["share"], "stretch": 1, "end": 1.0}]
+    panels, marks = choose(names, PANELS) or names[:1], list_marks(names, list_lost)
+    return assemble(bases, variables, sketches, panels, ANGLE, marks) | {
         "sweep": {
             "angle": ANGLE,
             "speeds": speeds.tolist(),
             "lost": find_lost(numbers).tolist(),
             "periods": (2.0 * math.pi / cycles.attrs["cam_ratio"] / speeds).tolist(),
-            "maps": _choose(names, MAPS) or names[:1],
-            "curves": _choose(finite, CURVES),
+            "maps": choose(names, MAPS) or names[:1],
+            "curves": choose(finite, CURVES),
             "numbers": [_list_number(name, numbers[name]) for name in finite],
         },
     }
-
-
-def _choose(names: list[str], endings: tuple[str, ...]) -> list[str]:
-    """The first name with each ending; of loads those of films come first."""
-    filmed = sorted(names, key=lambda name: f"{name.rpartition('.')[0]}.film_thickness" not in names)
-    found = (next((name for name in filmed if name.endswith(ending)), None) for ending in endings)
-    return [name for name in found if name]
 
 
 def _pack(name: str, values: xarray.DataArray) -> dict[str, Any]:

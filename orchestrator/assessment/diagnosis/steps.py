@@ -13,7 +13,8 @@ from models.core.quantities import Vector
 
 from ...errors import MistakeError
 from ...store.journal import Recorded, journals
-from ...store.output_folder import find_remedy, find_run_state, refuse_missing
+from ...store.output_folder import RESULT, find_remedy, find_run_state, refuse_missing
+from ...store.records import Group, open_records
 from ...store.result_file import ResultFile
 
 # Columns of /steps, and what a value of each needs: there may be many millions of steps.
@@ -91,8 +92,8 @@ def read_written_steps(result: ResultFile) -> Steps:
 
 def read_steps(out: Path) -> tuple[Steps, str]:
     """The steps of the run in an output folder, and how it ended. MistakeError if there are none."""
-    if (out / "result.nc").is_file():
-        return _read_file(out / "result.nc")
+    if (out / RESULT).is_file():
+        return _read_file(out)
     refuse_missing(out)
     found = journals(find_run_state(out)) if find_run_state(out).is_dir() else {}
     if "steps" not in found:
@@ -101,19 +102,19 @@ def read_steps(out: Path) -> tuple[Steps, str]:
     return _read_journal(found["steps"]), "incomplete: the run goes on, or was killed"
 
 
-def _read_file(path: Path) -> tuple[Steps, str]:
-    import h5netcdf
+def read_group(group: Group | None) -> Steps:
+    """The steps of a result's group."""
+    if group is None:
+        return NONE
+    return Steps.of(_columns(group.read), tuple(group.attribute("source", "flag_meanings").split()))
 
+
+def _read_file(out: Path) -> tuple[Steps, str]:
     try:
-        with h5netcdf.File(path, "r") as file:
-            message = str(file.attrs.get("message", ""))
-            if "steps" not in file.groups:
-                return NONE, message
-            group = file["steps"]
-            outputs = str(group["source"].attrs.get("flag_meanings", "")).split()
-            return Steps.of(_columns(lambda name: group[name][:]), tuple(outputs)), message
+        with open_records(out) as records:
+            return read_group(records.groups.get("steps")), str(records.attributes.get("message", ""))
     except (OSError, KeyError) as error:
-        raise MistakeError(f"{path}: is no result of this version ({error}); run it again") from None
+        raise MistakeError(f"{out / RESULT}: is no result of this version ({error}); run it again") from None
 
 
 def _read_journal(path: Path) -> Steps:
