@@ -78,6 +78,19 @@ def result(tmp_path_factory):
     return found
 
 
+@pytest.fixture
+def page(browser, result):
+    with opened(browser, Path(result.folder, "report.html")) as found:
+        yield found
+
+
+@pytest.fixture
+def sweep_page(browser, tmp_path):
+    write_sweep(tmp_path)
+    with opened(browser, write_report(tmp_path)) as found:
+        yield found
+
+
 def lowest(page: Any, title: str) -> float:
     """How far down on the page the shapes of that title reach (mm)."""
     paths = page.evaluate(
@@ -88,79 +101,74 @@ def lowest(page: Any, title: str) -> float:
     return max(numbers)
 
 
-def test_the_valve_stands_where_its_lift_says(browser, result):
+def test_the_valve_stands_where_its_lift_says(page, result):
     """At three instants; the page rounds to a thousandth of a millimetre, and values to five digits."""
     lift = result.coupled["valve_spring.position"]
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        page.evaluate("report.setTime(0)")
+    page.evaluate("report.setTime(0)")
+    settle(page)
+    closed = lowest(page, "valve_spring") - 1e3 * float(lift[0])
+    for time in (0.02, 0.03, 0.041):
+        page.evaluate(f"report.setTime({time})")
         settle(page)
-        closed = lowest(page, "valve_spring") - 1e3 * float(lift[0])
-        for time in (0.02, 0.03, 0.041):
-            page.evaluate(f"report.setTime({time})")
-            settle(page)
-            at = int(np.searchsorted(lift["time"].values, time, side="right")) - 1
-            assert lowest(page, "valve_spring") - closed == pytest.approx(1e3 * float(lift[at]), abs=3e-3)
+        at = int(np.searchsorted(lift["time"].values, time, side="right")) - 1
+        assert lowest(page, "valve_spring") - closed == pytest.approx(1e3 * float(lift[at]), abs=3e-3)
 
 
-def test_zoom_move_and_instant_go_through_all_plots(browser, result):
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        canvas = page.locator(".panel canvas").first
-        canvas.scroll_into_view_if_needed()
-        box = canvas.bounding_box()
-        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 50)
-        for _ in range(5):
-            page.mouse.wheel(0, -100)
-        page.wait_for_timeout(100)
-        low, high = page.evaluate("report.view.shown")
-        assert (high - low) == pytest.approx(360.0 * 0.8**5, rel=1e-4)  # degrees of the cam
-        page.mouse.down()
-        page.mouse.move(box["x"] + 0.5 * box["width"] - 100, box["y"] + 50, steps=4)
-        page.mouse.up()
-        assert page.evaluate("report.view.shown[0]") > low
-        page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 60)
-        settle(page)
-        shown = page.locator("#now").text_content()
-        first, last = page.evaluate("report.view.shown")
-        assert first < float(shown.split(", ")[1].split()[0]) < last
-        page.mouse.dblclick(box["x"] + 0.7 * box["width"], box["y"] + 60)
-        assert page.evaluate("report.view.shown") == pytest.approx([0.0, 360.0], rel=1e-5)
+def test_zoom_move_and_instant_go_through_all_plots(page):
+    canvas = page.locator(".panel canvas").first
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 50)
+    for _ in range(5):
+        page.mouse.wheel(0, -100)
+    page.wait_for_timeout(100)
+    low, high = page.evaluate("report.view.shown")
+    assert (high - low) == pytest.approx(360.0 * 0.8**5, rel=1e-4)  # degrees of the cam
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.5 * box["width"] - 100, box["y"] + 50, steps=4)
+    page.mouse.up()
+    assert page.evaluate("report.view.shown[0]") > low
+    page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 60)
+    settle(page)
+    shown = page.locator("#now").text_content()
+    first, last = page.evaluate("report.view.shown")
+    assert first < float(shown.split(", ")[1].split()[0]) < last
+    page.mouse.dblclick(box["x"] + 0.7 * box["width"], box["y"] + 60)
+    assert page.evaluate("report.view.shown") == pytest.approx([0.0, 360.0], rel=1e-5)
 
 
-def test_what_few_ask_for_is_behind_the_rest_in_lists_of_variables(browser, result):
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        groups = page.evaluate(
-            "Object.fromEntries([...document.querySelector('.panel select').children].map((one) =>"
-            " [one.label, [...one.children].map((each) => each.value)]))"
-        )
-        labels = list(groups)
-        first = [label for label in labels if ", more" not in label and label != "steps"]
-        assert max(map(labels.index, first)) < min(i for i, label in enumerate(labels) if ", more" in label)
-        assert "contact.load" in groups["contact"]
-        assert "contact.speed_in_range" in groups["contact, more"]
+def test_what_few_ask_for_is_behind_the_rest_in_lists_of_variables(page):
+    groups = page.evaluate(
+        "Object.fromEntries([...document.querySelector('.panel select').children].map((one) =>"
+        " [one.label, [...one.children].map((each) => each.value)]))"
+    )
+    labels = list(groups)
+    first = [label for label in labels if ", more" not in label and label != "steps"]
+    assert max(map(labels.index, first)) < min(i for i, label in enumerate(labels) if ", more" in label)
+    assert "contact.load" in groups["contact"]
+    assert "contact.speed_in_range" in groups["contact, more"]
 
 
-def test_keys_play_and_step(browser, result):
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        page.keyboard.press("ArrowRight")
-        assert page.evaluate("report.now") == pytest.approx(2e-5)
-        page.keyboard.press(" ")
-        page.wait_for_timeout(300)
-        page.keyboard.press(" ")
-        assert page.evaluate("report.now") > 1e-4
-        assert page.locator("#play").text_content() == "Play"
+def test_keys_play_and_step(page):
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("report.now") == pytest.approx(2e-5)
+    page.keyboard.press(" ")
+    page.wait_for_timeout(300)
+    page.keyboard.press(" ")
+    assert page.evaluate("report.now") > 1e-4
+    assert page.locator("#play").text_content() == "Play"
 
 
-def test_what_is_shown_is_saved_as_csv(browser, result):
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        with page.expect_download() as download:
-            page.click("#csv")
-        header, *rows = Path(download.value.path()).read_text().splitlines()
-        assert header.startswith('"time [s]","contact.load [N]","contact.load, reference [N]"')
-        assert len(rows) == result.coupled.sizes["time"]
-        columns = np.array([[float(text) for text in row.split(",")[1:3]] for row in rows])
-        np.testing.assert_allclose(columns[:, 0], result.coupled["contact.load"].values, rtol=2e-5)
-        assert result.reference is not None
-        np.testing.assert_allclose(columns[:, 1], result.reference["contact.load"].values, rtol=2e-5)
+def test_what_is_shown_is_saved_as_csv(page, result):
+    with page.expect_download() as download:
+        page.click("#csv")
+    header, *rows = Path(download.value.path()).read_text().splitlines()
+    assert header.startswith('"time [s]","contact.load [N]","contact.load, reference [N]"')
+    assert len(rows) == result.coupled.sizes["time"]
+    columns = np.array([[float(text) for text in row.split(",")[1:3]] for row in rows])
+    np.testing.assert_allclose(columns[:, 0], result.coupled["contact.load"].values, rtol=2e-5)
+    assert result.reference is not None
+    np.testing.assert_allclose(columns[:, 1], result.reference["contact.load"].values, rtol=2e-5)
 
 
 def test_angles_take_the_place_of_time(browser, result):
@@ -172,19 +180,18 @@ def test_angles_take_the_place_of_time(browser, result):
         assert page.evaluate("report.view.whole[1]") == pytest.approx(360.0, rel=1e-4)
 
 
-def test_keys_work_after_a_click_on_a_button(browser, result):
+def test_keys_work_after_a_click_on_a_button(page):
     """What was reached by the keyboard keeps its keys: there, space presses a button."""
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        page.click("#whole")
-        page.keyboard.press("ArrowRight")
-        assert page.evaluate("report.now") == pytest.approx(2e-5)
-        before = page.locator(".panel").count()
-        page.focus("#add")
-        page.keyboard.press(" ")
-        assert page.locator(".panel").count() == before + 1
-        page.set_viewport_size({"width": 390, "height": 800})
-        settle(page)
-        assert page.evaluate("document.documentElement.scrollWidth") == 390
+    page.click("#whole")
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("report.now") == pytest.approx(2e-5)
+    before = page.locator(".panel").count()
+    page.focus("#add")
+    page.keyboard.press(" ")
+    assert page.locator(".panel").count() == before + 1
+    page.set_viewport_size({"width": 390, "height": 800})
+    settle(page)
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
 
 
 def test_rounded_angles_that_rise_slowly_take_the_place_of_time(browser, tmp_path):
@@ -232,27 +239,23 @@ def test_a_million_rows_stay_few_marks(browser, tmp_path):
         assert page.evaluate("report.panels[0].detail.at(125001)") < 1.1
 
 
-def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(browser, tmp_path):
+def test_rows_that_share_a_pixel_are_joined_to_the_row_before_by_one_line(sweep_page):
     """Rows far apart and then close together: no upright reaches down to the row that a line has left."""
-    write_sweep(tmp_path)
-    with opened(browser, write_report(tmp_path)) as page:
-        heights = page.evaluate(
-            "(() => { const tall = [], none = () => {}, same = (v) => v;"
-            "const g = { lineWidth: 1, beginPath: none, stroke: none, moveTo: none, lineTo: none,"
-            " fillRect: (x, y, wide, high) => tall.push(Math.abs(high)) };"
-            "const values = Float32Array.from([0, 5, 5.1, 5.2, 5.3, 6]), series = new Series(values, values);"
-            "traceLine(g, { x: same, y: (v) => -v }, series, [0, 10, 10.1, 10.2, 10.3, 20], 1, 0, 6);"
-            "return tall; })()"
-        )
-        assert heights
-        assert max(heights) == pytest.approx(0.3 + 1.0, abs=1e-6)  # of the rows, and the line's thickness
+    heights = sweep_page.evaluate(
+        "(() => { const tall = [], none = () => {}, same = (v) => v;"
+        "const g = { lineWidth: 1, beginPath: none, stroke: none, moveTo: none, lineTo: none,"
+        " fillRect: (x, y, wide, high) => tall.push(Math.abs(high)) };"
+        "const values = Float32Array.from([0, 5, 5.1, 5.2, 5.3, 6]), series = new Series(values, values);"
+        "traceLine(g, { x: same, y: (v) => -v }, series, [0, 10, 10.1, 10.2, 10.3, 20], 1, 0, 6);"
+        "return tall; })()"
+    )
+    assert heights
+    assert max(heights) == pytest.approx(0.3 + 1.0, abs=1e-6)  # of the rows, and the line's thickness
 
 
-def test_numbers_are_written_without_zeros_that_say_nothing(browser, tmp_path):
-    write_sweep(tmp_path)
-    with opened(browser, write_report(tmp_path)) as page:
-        said = page.evaluate("[1e-4, 1.5e-4, 1.2344e6, -1e-10, 2e5, 0, 12.5, 100].map(readable)")
-        assert said == ["1e-4", "1.5e-4", "1.234e+6", "-1e-10", "2e+5", "0", "12.5", "100"]
+def test_numbers_are_written_without_zeros_that_say_nothing(sweep_page):
+    said = sweep_page.evaluate("[1e-4, 1.5e-4, 1.2344e6, -1e-10, 2e5, 0, 12.5, 100].map(readable)")
+    assert said == ["1e-4", "1.5e-4", "1.234e+6", "-1e-10", "2e+5", "0", "12.5", "100"]
 
 
 @pytest.mark.parametrize(("film", "said"), [(2e-10, "no film"), (4e-10, "film 4e-4 µm")])
@@ -272,35 +275,31 @@ def test_no_text_of_a_result_runs(browser, tmp_path):
         assert page.evaluate("report.marks.events.map((one) => one.time)") == [pytest.approx(0.75)]
 
 
-def test_a_click_on_a_map_and_its_keys_choose_the_speed(browser, tmp_path):
-    write_sweep(tmp_path)
-    with opened(browser, write_report(tmp_path)) as page:
-        settle(page)
-        frame = page.evaluate("report.drawings.at(-1).views[0].frame")
-        x = frame["left"] + 0.75 * (frame["right"] - frame["left"])
-        page.click("#maps canvas", position={"x": x, "y": frame["top"] + 5})
-        wait(page, "report.records.chosen === 2")
-        page.wait_for_timeout(200)
-        assert page.evaluate("report.view.at(report.now)") == pytest.approx(270.0, abs=2.5)
-        load = page.evaluate("report.panels[0].values.at(report.row(0))")
-        angle = page.evaluate("report.view.at(report.now)")
-        assert load == pytest.approx(float(load_of(SPEEDS[2], np.radians(angle))), rel=1e-4)
-        page.locator("#maps canvas").first.press("ArrowDown")
-        wait(page, "report.records.chosen === 1")
-        assert page.locator("#speeds").input_value() == "1"
+def test_a_click_on_a_map_and_its_keys_choose_the_speed(sweep_page):
+    settle(sweep_page)
+    frame = sweep_page.evaluate("report.drawings.at(-1).views[0].frame")
+    x = frame["left"] + 0.75 * (frame["right"] - frame["left"])
+    sweep_page.click("#maps canvas", position={"x": x, "y": frame["top"] + 5})
+    wait(sweep_page, "report.records.chosen === 2")
+    sweep_page.wait_for_timeout(200)
+    assert sweep_page.evaluate("report.view.at(report.now)") == pytest.approx(270.0, abs=2.5)
+    load = sweep_page.evaluate("report.panels[0].values.at(report.row(0))")
+    angle = sweep_page.evaluate("report.view.at(report.now)")
+    assert load == pytest.approx(float(load_of(SPEEDS[2], np.radians(angle))), rel=1e-4)
+    sweep_page.locator("#maps canvas").first.press("ArrowDown")
+    wait(sweep_page, "report.records.chosen === 1")
+    assert sweep_page.locator("#speeds").input_value() == "1"
 
 
-def test_speeds_without_contact_are_pale(browser, tmp_path):
+def test_speeds_without_contact_are_pale(sweep_page):
     """And the scale is that of the other speeds, whose largest load is known."""
-    write_sweep(tmp_path)
-    with opened(browser, write_report(tmp_path)) as page:
-        settle(page)
-        first = "report.drawings.at(-1).views[0].picture.getContext('2d').getImageData(0, 0, 1, 3).data"
-        assert page.evaluate(f"[...{first}].filter((_, at) => at % 4 === 3)") == [70, 255, 255]
-        assert page.evaluate("report.drawings.at(-1).views[0].range[1]") == pytest.approx(
-            float(load_of(SPEEDS[1], np.array(0.0))), rel=1e-6
-        )
-        assert page.locator("#pale").is_visible()
+    settle(sweep_page)
+    first = "report.drawings.at(-1).views[0].picture.getContext('2d').getImageData(0, 0, 1, 3).data"
+    assert sweep_page.evaluate(f"[...{first}].filter((_, at) => at % 4 === 3)") == [70, 255, 255]
+    assert sweep_page.evaluate("report.drawings.at(-1).views[0].range[1]") == pytest.approx(
+        float(load_of(SPEEDS[1], np.array(0.0))), rel=1e-6
+    )
+    assert sweep_page.locator("#pale").is_visible()
 
 
 def test_an_open_contact_of_a_sweep_has_no_film(browser, tmp_path):
@@ -322,15 +321,14 @@ def test_an_open_contact_of_a_sweep_has_no_film(browser, tmp_path):
         assert (page.evaluate(last), page.evaluate(f"{film}.range.every(Number.isFinite)")) == (0, True)
 
 
-def test_everything_has_a_name_for_screen_readers(browser, result):
+def test_everything_has_a_name_for_screen_readers(page):
     """Every control and every picture."""
-    with opened(browser, Path(result.folder, "report.html")) as page:
-        nameless = page.evaluate(
-            "[...document.querySelectorAll('canvas, svg, select, input, button')].filter((one) =>"
-            " !one.getAttribute('aria-label') && !one.closest('label') && !one.textContent.trim())"
-            ".map((one) => one.outerHTML)"
-        )
-        assert nameless == []
+    nameless = page.evaluate(
+        "[...document.querySelectorAll('canvas, svg, select, input, button')].filter((one) =>"
+        " !one.getAttribute('aria-label') && !one.closest('label') && !one.textContent.trim())"
+        ".map((one) => one.outerHTML)"
+    )
+    assert nameless == []
 
 
 def test_paper_is_white(browser, result):
