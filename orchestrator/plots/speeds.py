@@ -52,7 +52,7 @@ PANELS = (
     ("Friction power (W)", 1.0, (".friction_power",)),
     ("Largest lift (mm)", 1e3, (".largest_lift",)),
     ("Chamber pressure (MPa)", 1e-6, (".chamber_pressure",)),
-    ("Adjuster in a turn (µm)", 1e6, (".shortening", ".leak_down", ".held_open")),
+    ("Adjuster in a turn (µm)", 1e6, (".shortening", ".lift_loss", ".leak_down", ".held_open")),
     ("Largest twist (°)", math.degrees(1.0), (".largest_twist",)),
 )
 
