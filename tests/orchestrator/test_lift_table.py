@@ -52,17 +52,12 @@ def test_units_separators_comments_and_order_make_no_difference(tmp_path):
     plain = read(tmp_path)
     np.testing.assert_allclose(plain.angle, np.radians(ANGLES), rtol=1e-15)
     assert plain.rounding == pytest.approx(1e-7)
-    others = (
-        write(tmp_path / "metres.csv", "# a comment\nangle (rad); lift (m)", "{0:g}; {1:.4f}e-3"),
-        write(tmp_path / "backwards.csv", angles=ANGLES[::-1]),
-    )
-    others[0].write_text(
-        "# a comment\nangle (rad);lift (m)\n"
-        + "\n".join(f"{math.radians(a)!r};{s:.4f}e-3" for a, s in zip(ANGLES, lift(ANGLES), strict=True))
-    )
-    german = tmp_path / "german.csv"
+    metres, german = tmp_path / "metres.csv", tmp_path / "german.csv"
+    rows = (f"{math.radians(a)!r};{s:.4f}e-3" for a, s in zip(ANGLES, lift(ANGLES), strict=True))
+    metres.write_text("\n".join(["# a comment", "angle (rad);lift (m)", *rows]))
     german.write_text(write(german, "Winkel [deg];Hub [mm]", "{0:g};{1:.4f}").read_text().replace(".", ","))
-    for path in (*others, german):
+    backwards = write(tmp_path / "backwards.csv", angles=ANGLES[::-1])
+    for path in (metres, german, backwards):
         table = read_lift_table(path)
         np.testing.assert_allclose(table.angle, plain.angle, rtol=1e-14)
         np.testing.assert_allclose(table.lift, plain.lift, atol=1e-17)
@@ -130,9 +125,7 @@ def test_a_table_that_passes_zero_is_the_same_cam(tmp_path, shift, direction):
     np.testing.assert_array_equal(table.lift, plain.lift)
 
 
-def test_crank_angles_are_halved_and_doubted_without_their_name(tmp_path):
-    named = write(tmp_path / "named.csv", "crank angle [deg], lift [mm]", "{0:g}, {1:.4f}")
-    np.testing.assert_allclose(read_lift_table(named).angle, np.radians(ANGLES) / 2, rtol=1e-15)
+def test_angles_of_the_crank_are_doubted_without_their_name(tmp_path):
     write(tmp_path / "cam.csv", angles=2.0 * (ANGLES - 90.0), lifts=lift(ANGLES))
     assert [line for line in list_warnings(load(write_scenario(tmp_path))) if "crank" in line]
 
@@ -256,43 +249,29 @@ def test_rows_missing_on_the_lobe_are_refused(tmp_path, missing):
     assert any("rows are missing between 29 and 31 deg" in note for note in table.list_notes())
 
 
-@pytest.mark.parametrize(
-    "header",
-    [
-        *("Kurbelwinkel [Grad]; Hub [mm]", "KW [°]; Hub [mm]", "CA [deg]; lift [mm]", "°KW; Hub / mm"),
-        *(
-            "angle [deg CA]; lift [mm]",
-            "crank_deg; lift_mm",
-            "vilebrequin [degrés]; levée [mm]",
-            "CAD; lift_mm",
-        ),
-        *("Angolo manovella (gradi); alzata (mm)", "Winkel [°KW]; Hub in mm", "deg ATDC [deg]; lift [mm]"),
-    ],
-)
-def test_crank_angles_are_known_by_their_words(tmp_path, header):
-    table = read(tmp_path, header, "{0:g}; {1:.4f}")
-    np.testing.assert_allclose(table.angle, np.radians(ANGLES) / 2, rtol=1e-14)
-    assert table.named
-    assert header.startswith("crank") or any("crank angles" in note for note in table.notes)
+CRANK = (
+    "Kurbelwinkel [Grad]; Hub [mm]", "KW [°]; Hub [mm]", "CA [deg]; lift [mm]", "°KW; Hub / mm",
+    "angle [deg CA]; lift [mm]", "crank_deg; lift_mm", "vilebrequin [degrés]; levée [mm]", "CAD; lift_mm",
+    "Angolo manovella (gradi); alzata (mm)", "Winkel [°KW]; Hub in mm", "deg ATDC [deg]; lift [mm]",
+)  # fmt: skip
+CAM = (
+    "Winkel [grad]; Hub [mm]", "ANGLE [DEG]; LIFT [MM]", "Angle [Degrees]; Lift [Millimeters]",
+    "angle [º]; lift [mm]", "Nockenwinkel nach OT [Grad]; Hub [mm]", "cam angle (deg); valve lift (mm)",
+    "angle; lift",
+)  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "header",
-    [
-        *("Winkel [grad]; Hub [mm]", "ANGLE [DEG]; LIFT [MM]", "Angle [Degrees]; Lift [Millimeters]"),
-        *(
-            "angle [º]; lift [mm]",
-            "Nockenwinkel nach OT [Grad]; Hub [mm]",
-            "cam angle (deg); valve lift (mm)",
-            "angle; lift",
-        ),
-    ],
-)
-def test_words_of_degrees_and_millimetres_are_read(tmp_path, header):
-    table = read(tmp_path, header, "{0:g}; {1:.4f}")
-    np.testing.assert_allclose(table.angle, np.radians(ANGLES), rtol=1e-14)
+@pytest.mark.parametrize("header", [*CRANK, *CAM])
+def test_angles_of_crank_or_cam_and_their_units_are_known_by_their_words(tmp_path, header):
+    """Those of the crank are halved."""
+    table, ratio = read(tmp_path, header, "{0:g}; {1:.4f}"), 2.0 if header in CRANK else 1.0
+    np.testing.assert_allclose(table.angle, np.radians(ANGLES) / ratio, rtol=1e-14)
     assert table.lift.max() == pytest.approx(8e-3, rel=1e-12)
-    assert ("is taken" in " ".join(table.notes)) == (header == "angle; lift")
+    if header in CAM:
+        assert ("is taken" in " ".join(table.notes)) == (header == "angle; lift")
+    else:
+        assert table.named
+        assert header.startswith("crank") or any("crank angles" in note for note in table.notes)
 
 
 @pytest.mark.parametrize("unit", ["Inch", "IN", '"', "inches"])
