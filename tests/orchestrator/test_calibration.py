@@ -23,7 +23,7 @@ from orchestrator.study.calibration.fit import Fit, fit, half_width, profile
 from orchestrator.study.calibration.measured import Experiment, Measured, Signal
 from orchestrator.study.calibration.models import Prediction, count_samples, make_model
 from orchestrator.study.calibration.objective import Objective
-from orchestrator.study.calibration.parameters import Fitted, choose, list_starts
+from orchestrator.study.calibration.parameters import Fitted
 from orchestrator.study.calibration.predictions import Predictions
 from orchestrator.study.calibration.run import _fit_from
 from orchestrator.study.calibration.signals import eliminate
@@ -346,35 +346,6 @@ def test_tangents_of_a_signal_are_the_limit_of_differences(monkeypatch):
     far, near = difference(5e-4), difference(2.5e-4)
     assert exact == pytest.approx((4.0 * near - far) / 3.0, abs=1e-6 * np.abs(exact).max())
     assert np.linalg.norm(far - exact) == pytest.approx(4.0 * np.linalg.norm(near - exact), rel=0.01)
-
-
-@pytest.mark.parametrize(
-    ("wanted", "bounds", "why"),
-    [
-        (["valve_spring.spring_rat"], [], "did you mean valve_spring.spring_rate"),
-        (["contact.film_model"], [], "no values in between"),
-        (["valve_spring.preload"], ["valve_spring.lash = 0 .. 1"], "is not fitted"),
-        (["valve_spring.preload"], ["valve_spring.preload = 400 N .. 500 N"], "which is outside"),
-        (["valve_spring.preload"], ["valve_spring.preload = -5 N .. 500 N"], "may be from 0 to"),
-        (["valve_spring.preload"], ["valve_spring.preload = 500 N .. 400 N"], "must be below"),
-        (["valve_spring.preload"], ["valve_spring.preload = 3 mm .. 400 N"], "does not fit"),
-        (["valve_spring.preload"], ["valve_spring.preload = 400 N"], "low .. high"),
-    ],
-)
-def test_parameters_that_cannot_be_fitted_are_refused_with_what_is_wrong(wanted, bounds, why):
-    with pytest.raises(MistakeError, match=why):
-        choose(load("valve-train"), wanted, bounds)
-
-
-def test_further_starts_are_between_the_bounds():
-    parameters = choose(
-        load("valve-train"), ["valve_spring.preload, valve_spring.spring_rate"],
-        ["valve_spring.preload = 300 N .. 340 N"],
-    )  # fmt: skip
-    own, *others = (point * [one.size for one in parameters] for point in list_starts(parameters, 5))
-    assert own == pytest.approx([330.0, 35e3])
-    assert all(300.0 <= preload <= 340.0 and 17.5e3 <= rate <= 70e3 for preload, rate in others)
-    assert len({tuple(point) for point in others}) == 4
 
 
 def test_too_few_data_are_refused_before_anything_is_written(tmp_path):

@@ -1,4 +1,4 @@
-"""tribocosim calibrate: measured data with their speeds, shafts and units, and what is refused."""
+"""tribocosim calibrate: measured data and chosen parameters, with their units, and what is refused."""
 
 import math
 from pathlib import Path
@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Quantity
-from models.core.words import tally
 from orchestrator.errors import MistakeError
 from orchestrator.plots.calibration import Panel, draw_calibration, draw_parameters
 from orchestrator.scenario.display import show_unit
 from orchestrator.scenario.files import load
 from orchestrator.study.calibration.measured import Measured, read_measured
+from orchestrator.study.calibration.parameters import choose, list_starts
 
 
 def test_all_rows_of_a_speed_that_wavers_are_used(tmp_path):
@@ -109,5 +109,30 @@ def test_figures_have_display_units_and_no_correlation_of_one_parameter():
         assert len(figure.axes) == panels
 
 
-def test_one_thing_is_singular():
-    assert [tally(n, "signal") for n in (0, 1, 2)] == ["0 signals", "1 signal", "2 signals"]
+@pytest.mark.parametrize(
+    ("wanted", "bounds", "why"),
+    [
+        (["valve_spring.spring_rat"], [], "did you mean valve_spring.spring_rate"),
+        (["contact.film_model"], [], "no values in between"),
+        (["valve_spring.preload"], ["valve_spring.lash = 0 .. 1"], "is not fitted"),
+        (["valve_spring.preload"], ["valve_spring.preload = 400 N .. 500 N"], "which is outside"),
+        (["valve_spring.preload"], ["valve_spring.preload = -5 N .. 500 N"], "may be from 0 to"),
+        (["valve_spring.preload"], ["valve_spring.preload = 500 N .. 400 N"], "must be below"),
+        (["valve_spring.preload"], ["valve_spring.preload = 3 mm .. 400 N"], "does not fit"),
+        (["valve_spring.preload"], ["valve_spring.preload = 400 N"], "low .. high"),
+    ],
+)
+def test_parameters_that_cannot_be_fitted_are_refused_with_what_is_wrong(wanted, bounds, why):
+    with pytest.raises(MistakeError, match=why):
+        choose(load("valve-train"), wanted, bounds)
+
+
+def test_further_starts_are_between_the_bounds():
+    parameters = choose(
+        load("valve-train"), ["valve_spring.preload, valve_spring.spring_rate"],
+        ["valve_spring.preload = 300 N .. 340 N"],
+    )  # fmt: skip
+    own, *others = (point * [one.size for one in parameters] for point in list_starts(parameters, 5))
+    assert own == pytest.approx([330.0, 35e3])
+    assert all(300.0 <= preload <= 340.0 and 17.5e3 <= rate <= 70e3 for preload, rate in others)
+    assert len({tuple(point) for point in others}) == 4

@@ -20,7 +20,7 @@ from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.wire import insert_wire
 from orchestrator.study.design.answers import Answer, Column, follow_reversal
-from orchestrator.study.design.brief import Brief, Limits, read_bounds, read_brief
+from orchestrator.study.design.brief import Brief, Limits, list_briefs, read_bounds, read_brief
 from orchestrator.study.design.deliverables import deliver
 from orchestrator.study.design.figures import Bound, Objective, find_objective, list_bounds
 from orchestrator.study.design.files import keep
@@ -43,6 +43,7 @@ from orchestrator.study.design.wanted import Wanted
 from orchestrator.study.design.wires import list_wires, wind
 from orchestrator.study.speeds.subject import describe_numbers
 
+from .commands import ROOT
 from .test_design import build_lobe, build_model, optimise, write_brief
 
 SPEED = 2500.0 * math.pi / 30.0
@@ -326,8 +327,16 @@ def test_a_designed_cam_needs_less_torque_with_the_same_area(tmp_path: Path) -> 
     assert power[1] < 0.99 * power[0]
 
 
-def test_a_scenario_is_a_brief_with_the_limits_of_its_own_cam() -> None:
-    asked = read_brief("valve-train")
-    assert asked.brief.limits == Limits()
-    with pytest.raises(MistakeError, match="did you mean"):
-        read_brief("valve-trian")
+PAGE = (ROOT / "docs" / "how-to" / "design-a-cam.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize("brief", [*list_briefs(), *re.findall(r"```toml\n(.+?)```", PAGE, re.DOTALL)])
+def test_shipped_and_printed_briefs_are_read(tmp_path: Path, brief: str) -> None:
+    asked = read_brief(brief if brief in list_briefs() else str(write_brief(tmp_path, brief)))
+    scenario = open_train(asked.tables, asked.brief.coefficients, asked.brief.cam, asked.brief.event).scenario
+    assert set(read_bounds(asked.brief, scenario, "flywheel")) == set(asked.brief.parameters)
+    assert asked.brief.limits.separation_speed == "own"
+
+
+def test_every_limit_is_in_the_documents() -> None:
+    assert [name for name in Limits.model_fields if f"`{name}`" not in PAGE] == []
