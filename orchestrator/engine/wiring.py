@@ -66,12 +66,13 @@ def wire(
     `watched` names further outputs by instance.
     """
     names = tuple(system.instances)
+    outputs = {name: instance.component.outputs for name, instance in system.instances.items()}
     connected = {c.source for c in system.connections}
     sources: list[Port] = []
     slices = []
     for name in names:
         start = len(sources)
-        for variable in system.instances[name].component.outputs.names:
+        for variable in outputs[name].names:
             port = Port(name, variable)
             if port in connected or variable in watched.get(name, ()):
                 sources.append(port)
@@ -80,6 +81,7 @@ def wire(
     feeding = [[c for c in system.connections if c.target.instance == name] for name in names]
     followed = _followed_degrees([participants[name] for name in names], feeding)
     highest = find_highest_degrees(system.connections, followed)
+    jumping = {port for port in sources if outputs[port.instance].field(port.variable).quantity.jumps}
     through = _find_feedthrough(system, sources)
     answering = {port.instance for i, port in enumerate(sources) if port in connected and through[i]}
     return Wiring(
@@ -95,8 +97,7 @@ def wire(
         columns=tuple(np.array([number[c.source] for c in fed], dtype=np.int64) for fed in feeding),
         degree=min(degree, max(highest.values(), default=degree)),
         degrees=np.array(
-            [STEPWISE if _jumps(system, port) else highest.get(port, HIGHEST) for port in sources],
-            dtype=np.int64,
+            [STEPWISE if port in jumping else highest.get(port, HIGHEST) for port in sources], dtype=np.int64
         ),
         held=tuple(any(followed[c.target] == 0 for c in fed) for fed in feeding),
     )
@@ -111,10 +112,6 @@ def _followed_degrees(
         degrees = participant.signal_degrees([c.target.variable for c in fed])
         followed.update({c.target: degree for c, degree in zip(fed, degrees, strict=True)})
     return followed
-
-
-def _jumps(system: System, port: Port) -> bool:
-    return system.instances[port.instance].component.outputs.field(port.variable).quantity.jumps
 
 
 def _find_feedthrough(system: System, sources: Sequence[Port]) -> Any:

@@ -31,6 +31,16 @@ def find_missing(path: Path, names: Iterable[str]) -> list[str]:
     return [f"{model} {name!r}{_suggest(name, known)}" for name in absent]
 
 
+def uses_event_mode(about: Description) -> bool:
+    """Whether an FMU is run in its event mode. Those of our components do the same without."""
+    return about.events is not None and not about.is_own
+
+
+def has_side_channel(about: Description) -> bool:
+    """Whether an FMU has events, clocks or texts at communication points of co-simulation."""
+    return not about.integrated and (uses_event_mode(about) or bool(about.list_texts("input", "output")))
+
+
 def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
     """The degree of the polynomial in time that the FMU follows, for each of these inputs; 0: it holds it.
 

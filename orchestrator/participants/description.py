@@ -231,10 +231,10 @@ def _describe(
     events = description3.complete(found, root) if found.fmiVersion == "3.0" else None
     _complete_relative(found, root)
     resize(found, dict(sizes))
-    about = found.coSimulation
-    integrated = found.modelExchange is not None and (about is None or interface == MODEL_EXCHANGE)
+    about, exchange = found.coSimulation, found.modelExchange
+    integrated = exchange is not None and (about is None or interface == MODEL_EXCHANGE)
     if integrated:
-        about = found.modelExchange
+        about = exchange
     if about is None and getattr(found, "scheduledExecution", None) is not None:
         raise DescriptionError(
             "is an FMU for scheduled execution only, whose clocks a real-time scheduler has to run: runs "
@@ -274,7 +274,12 @@ def _describe(
         interpolates=not integrated and bool(about.canInterpolateInputs) and found.fmiVersion != "3.0",
         gives_rates=not integrated and int(about.maxOutputDerivativeOrder or 0) > 0,
         once_per_process=bool(about.canBeInstantiatedOnlyOncePerProcess),
-        exchange=_read_exchange(found),
+        exchange=exchange
+        and Exchange(
+            exchange.modelIdentifier,
+            int(found.numberOfContinuousStates or 0),
+            int(found.numberOfEventIndicators or 0),
+        ),
         integrated=integrated,
         sizes=dict(sizes),
         events=None if integrated else events,
@@ -283,14 +288,6 @@ def _describe(
             for short, name in {"start": "startTime", "stop": "stopTime", "step": "stepSize"}.items()
         },
     )
-
-
-def _read_exchange(found: Any) -> Exchange | None:
-    about = found.modelExchange
-    if about is None:
-        return None
-    counts = found.numberOfContinuousStates, found.numberOfEventIndicators
-    return Exchange(about.modelIdentifier, *(int(count or 0) for count in counts))
 
 
 def _complete_relative(found: Any, root: ElementTree.Element) -> None:

@@ -1,5 +1,6 @@
 """A co-simulation FMU of FMI 1.0, 2.0 or 3.0 as participant, and how any FMU is opened in this process."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,7 +11,7 @@ from models.core.quantities import Vector
 
 from ..errors import ParticipantError
 from .bound_variables import BoundInputs, BoundOutputs
-from .capabilities import signal_degrees
+from .capabilities import has_side_channel, signal_degrees, uses_event_mode
 from .compiled_calls import SET, STEP, CompiledCalls, NotCompiledError
 from .description import Description, DescriptionError, read_description
 from .fmi1 import Fmi1
@@ -19,7 +20,6 @@ from .fmi3 import Fmi3
 from .fmi3_events import Fmi3WithEvents
 from .opened_fmu import FmuSettings, OpenedFmu
 from .protocol import Abilities, BoundVariables
-from .side_channel import FmuSideChannel, has_side_channel, uses_event_mode
 
 if TYPE_CHECKING:
     from .model_exchange.integrated import IntegratedFmu
@@ -32,7 +32,7 @@ def _open_fmi3(name: str, description: Description, folder: str) -> Fmi3:
 
 
 class FmuParticipant(OpenedFmu):
-    """Implements `Participant` for the FMU at `path`.
+    """Implements `Participant`, `SideChannel` and `Derivatives` for the FMU at `path`.
 
     Which derivatives of inputs it takes, and which rates it gives, is in `bound_variables`. Inputs that it
     holds over a step get the mean of their signal there, and after it the value at its end. Integers and
@@ -45,12 +45,13 @@ class FmuParticipant(OpenedFmu):
         super().__init__(name, path, settings, folder)
         description = self._fmu.description
         self._records: list[Any] = []
-        side = FmuSideChannel(self._fmu) if has_side_channel(description) else None
-        steps = description.variable_step, description.divisible
+        self._events = self._fmi if isinstance(self._fmi, Fmi3WithEvents) and self._fmi.used else None
+        self.has_events = self._events is not None
         self.abilities = Abilities(
             description.restorable,
-            *steps,
-            side,
+            description.variable_step,
+            description.divisible,
+            self if has_side_channel(description) else None,
             self,
             self.warnings,
             unserialisable=description.unserialisable,
@@ -122,6 +123,26 @@ class FmuParticipant(OpenedFmu):
 
     def read_all(self, values: Vector) -> None:
         values[:] = self._all.get_values()
+
+    def next_event(self) -> float:
+        return (
+            self._fmi.next_event() if isinstance(self._fmi, Fmi3WithEvents) and self.has_events else math.inf
+        )
+
+    def handle(self, time: float, clocks: Sequence[str]) -> list[str] | None:
+        if self._events is None:
+            return None
+        with self._errors.name_errors(f"event at t = {time:.9g} s"):
+            return self._events.handle(time, clocks)
+
+    def get_texts(self, names: Sequence[str]) -> list[str]:
+        with self._errors.name_errors("reading texts"):
+            return [self._fmi.get_text(self._fmu.find(name)) for name in names]
+
+    def set_texts(self, values: Mapping[str, str]) -> None:
+        with self._errors.name_errors("setting texts"):
+            for name, text in values.items():
+                self._fmi.set_text(self._fmu.find(name), text)
 
     def get_followed(self) -> Any:
         return self._inputs.follows

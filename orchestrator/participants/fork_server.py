@@ -48,7 +48,8 @@ def main() -> None:
                     _become(server, memory_mb, [*given, reports], [asking, woken, waker, *statuses.values()])
                 statuses[number] = reports
             except Exception as error:  # the processes that run go on
-                number = -_find_reason(error)
+                lacking = errno.ENOMEM if isinstance(error, MemoryError) else errno.ENOPKG
+                number = -(getattr(error, "errno", None) or lacking)
                 given.append(reports)
             _report(reports, number)
             for descriptor in given:
@@ -83,13 +84,6 @@ def _report_ends(statuses: dict[int, int]) -> None:
 def _report(reports: int, number: int) -> None:
     with contextlib.suppress(OSError):  # nobody waits for it
         os.write(reports, NUMBER.pack(number))
-
-
-def _find_reason(error: Exception) -> int:
-    """The `errno` that says why no process starts."""
-    if isinstance(error, MemoryError):
-        return errno.ENOMEM
-    return getattr(error, "errno", None) or errno.ENOPKG
 
 
 if __name__ == "__main__":

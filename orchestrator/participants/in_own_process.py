@@ -11,20 +11,19 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from .capabilities import signal_degrees
+from .capabilities import has_side_channel, signal_degrees, uses_event_mode
 from .compiled_calls import NotCompiledError
 from .description import read_description
 from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings
 from .own_process import NO_LIMITS, Limits, OwnProcess
 from .protocol import Abilities, BoundVariables
-from .side_channel import RemoteSideChannel, has_side_channel
 
 Saved = int  # the process's number of a state
 
 
 class InOwnProcess(OwnProcess):
-    """Implements `Participant` for the FMU at `path`, by a `FmuParticipant` in another process."""
+    """Implements what `FmuParticipant` does for the FMU at `path`, by one in another process."""
 
     server = f"{__package__}.process"
 
@@ -32,10 +31,15 @@ class InOwnProcess(OwnProcess):
         super().__init__(name, path, settings, limits)
         self._names = list(settings.outputs)
         self._about = about = read_description(path, settings.interface, settings.sizes)
-        side = RemoteSideChannel(about, self._call_between) if has_side_channel(about) else None
-        steps = about.variable_step, about.divisible
+        self.has_events = uses_event_mode(about)
         self.abilities = Abilities(
-            about.restorable, *steps, side, self, self.warnings, unserialisable=about.unserialisable
+            about.restorable,
+            about.variable_step,
+            about.divisible,
+            self if has_side_channel(about) else None,
+            self,
+            self.warnings,
+            unserialisable=about.unserialisable,
         )
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
@@ -117,6 +121,19 @@ class InOwnProcess(OwnProcess):
             self._raise_garbled()
         self._taken = np.frombuffer(content)
         self._fresh = True
+
+    def next_event(self) -> float:
+        return float(self._call_between("next_event"))
+
+    def handle(self, time: float, clocks: Sequence[str]) -> list[str] | None:
+        found: list[str] | None = self._call_between("handle", time=time, clocks=list(clocks))
+        return found
+
+    def get_texts(self, names: Sequence[str]) -> list[str]:
+        return list(self._call_between("get_texts", names=list(names)))
+
+    def set_texts(self, values: Mapping[str, str]) -> None:
+        self._call_between("set_texts", values=dict(values))
 
     def get_followed(self) -> Any:
         return np.array(self._call("get_followed"), dtype=bool)

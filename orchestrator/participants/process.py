@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 class Server:
     """Carries out messages; the first one, instantiate, opens the FMU.
 
-    Calls that it does not have itself are those of the participant, or of its side channel.
+    Calls that it does not have itself are those of the participant.
     """
 
     unit: FmuParticipant | IntegratedFmu
@@ -73,7 +73,7 @@ class Server:
             self.unit.close()
         self.unit = open_here(name, Path(path), FmuSettings(**given), Path(folder))
         self.every = np.zeros(len(given["outputs"]))
-        self._owners = [self, self.unit, self.unit.abilities.side, self.unit.abilities]
+        self._owners = [self, self.unit, self.unit.abilities]
 
     def connect(self, inputs: list[str], rows: int, outputs: list[str], rated: bool) -> list[bool]:
         self.inputs = np.zeros((rows, len(inputs)))

@@ -110,7 +110,10 @@ def _build_layout(variables: Iterable[Variable]) -> NamedLayout:
 
 
 def _build_fields(variables: Iterable[Variable]) -> Iterator[Field]:
-    return (Field(v.name, build_quantity(v), _clip_start(v)) for v in variables)
+    """With start values (default 0) within the variables' ranges."""
+    for v in variables:
+        start = 0.0 if v.start is None or not math.isfinite(v.start) else v.start
+        yield Field(v.name, build_quantity(v), min(max(start, v.minimum), v.maximum))
 
 
 def _build_intervals(about: Description) -> Iterator[Field]:
@@ -138,12 +141,6 @@ def build_quantity(variable: Variable) -> Quantity:
         # A parameter is no signal: any value may be given.
         stepwise=variable.stepwise and variable.causality != "parameter",
     )
-
-
-def _clip_start(variable: Variable) -> float:
-    """The start value (default 0), clipped to the variable's range."""
-    value = 0.0 if variable.start is None or not math.isfinite(variable.start) else variable.start
-    return min(max(value, variable.minimum), variable.maximum)
 
 
 def _refuse_equations(*arguments: Any) -> NoReturn:

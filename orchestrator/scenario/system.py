@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from models.core.evaluation import check_start
-from models.core.quantities import Layout, Quantity, Vector
+from models.core.quantities import Layout, Quantity
 from models.core.system import Instance, ModelError, System
 
 from ..engine.instants import SideLines
@@ -141,10 +141,12 @@ def resolve_start(scenario: Scenario, system: System) -> System:
     except ModelError as error:
         given = 'set start = "given" and give start values in [components.NAME.start]'
         raise ModelError(error, "correct the parameters", given) from None
-    instances = {
-        name: replace(instance, start=_select_start(instance.component.state, state[system.state.of(name)]))
-        for name, instance in system.instances.items()
-    }
+    instances = {}
+    for name, instance in system.instances.items():
+        layout = instance.component.state
+        named = layout.named(state[system.state.of(name)])
+        # Those that can be given a start value.
+        instances[name] = replace(instance, start={key: named[key] for key in layout.variables})
     resting = system.with_instances(instances)
     check_start(resting, 0.0, resting.x0)
     return resting
@@ -172,12 +174,6 @@ def list_moved_starts(given: System, resolved: System) -> list[str]:
                     f'equilibrium, at {now:g}; set start = "given" to begin with the start values'
                 )
     return found
-
-
-def _select_start(layout: Layout, state: Vector) -> dict[str, float]:
-    """The states that can be given a start value, by name."""
-    named = layout.named(state)
-    return {name: named[name] for name in layout.variables}
 
 
 def list_parameters(scenario: Scenario) -> dict[str, float]:

@@ -27,17 +27,13 @@ def select_strings(
             faults.append((name, f": is {kind}, which cannot be set; leave it out (its start value stays)"))
         elif not isinstance(value, str) or "\0" in value:
             faults.append((name, f" = {value!r} (String): must be a string without null characters"))
-        elif variable.type == BINARY and not _is_hexadecimal(value):
+        elif variable.type == BINARY and (len(value) % 2 or not set(value) <= set(hexdigits)):
             faults.append((name, f" = {value!r} (Binary): must be pairs of hexadecimal digits, as 666f6f"))
         else:
             found[name] = value
     if faults:
         raise Faults(*faults)
     return found
-
-
-def _is_hexadecimal(text: str) -> bool:
-    return len(text) % 2 == 0 and all(c in hexdigits for c in text)
 
 
 def convert_enumerations(component: ThirdPartyComponent, values: Mapping[str, Value]) -> dict[str, Value]:

@@ -78,11 +78,13 @@ class Wire(Table):
         material = replace(material, shear_modulus=modulus, endless=endless)
         if strength is not None:
             material = replace(material, strength=strength, exponent=0.0)
+        if (free := self.free_length or 0.0) == 0.0 and not self.pitch:
+            raise Faults(("", ": needs pitch or free_length"))
         try:
             return WireSpring(
                 self.diameter,
                 np.array(self.mean_diameter),
-                np.array(self.pitch or [self._even_pitch()]),
+                np.array(self.pitch or [(free - self.end_coils * self.diameter) / self.active_coils]),
                 self.active_coils,
                 self.end_coils,
                 material,
@@ -90,11 +92,6 @@ class Wire(Table):
             )
         except ValueError as error:
             raise Faults(("", f": {error}")) from None
-
-    def _even_pitch(self) -> float:
-        if self.free_length is None:
-            raise Faults(("", ": needs pitch or free_length"))
-        return (self.free_length - self.end_coils * self.diameter) / self.active_coils
 
     def install(self) -> tuple[WireSpring, float]:
         """The spring, and its force while the valve is closed. Faults if it does not fit."""

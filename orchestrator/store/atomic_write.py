@@ -39,7 +39,9 @@ def naming(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, RuntimeError) as error:
-        number = getattr(error, "errno", None) or _hdf5_number(error)
+        # HDF5 has the number in its words, in errors of several kinds.
+        said = re.search(r"errno = (\d+)", str(error))
+        number = getattr(error, "errno", None) or (said and int(said[1]))
         if number is None:
             raise
         raise OSError(number, os.strerror(number), str(path)) from error
@@ -53,12 +55,6 @@ def check_room(path: Path, size: int) -> None:
     """
     if shutil.disk_usage(path.parent).free < size:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-
-
-def _hdf5_number(error: Exception) -> int | None:
-    """HDF5 has the number in its words, in errors of several kinds."""
-    found = re.search(r"errno = (\d+)", str(error))
-    return int(found[1]) if found else None
 
 
 def partial(path: Path) -> Path:

@@ -159,7 +159,8 @@ def is_run(folder: Path) -> bool:
 
 def list_files(out: Path) -> list[Path]:
     """What a run has written, in the order to be shown."""
-    return [path for path in [*(out / name for name in WRITTEN), *_figures(out)] if path.exists()]
+    figures = sorted((out / FIGURES).glob("*.png"))
+    return [path for path in [*(out / name for name in WRITTEN), *figures] if path.exists()]
 
 
 def refuse_missing(folder: Path) -> None:
@@ -217,10 +218,6 @@ def _check_empty(out: Path) -> None:
 
 def _list_written(out: Path) -> list[Path]:
     return [*list_files(out), *(path for name in WRITTEN if (path := partial(out / name)).exists())]
-
-
-def _figures(out: Path) -> list[Path]:
-    return sorted((out / FIGURES).glob("*.png"))
 
 
 def find_run_state(out: Path) -> Path:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
@@ -94,9 +94,11 @@ class ResultFile:
         _list_attached(time, [dataset for dataset in datasets if dataset is not time])
         if extension.added:
             place.attrs["coordinates"] = " ".join(extension.added)
-        for first, block in _number_blocks(extension.extend(blocks)):
+        first = 0
+        for block in extension.extend(blocks):
             for dataset, values in zip(datasets, np.ascontiguousarray(block.T), strict=True):
                 dataset[first : first + len(block)] = values
+            first += len(block)
 
     def write_profiles(self, name: str, times: Vector, variables: Mapping[str, tuple[str, Vector]]) -> None:
         """A new group PROFILES/name: unit and values (times x nodes) of each variable, and the times."""
@@ -200,14 +202,6 @@ def _describe(dataset: Any, quantity: Quantity) -> None:
     if quantity.choices:
         dataset.attrs["flag_meanings"] = " ".join(quantity.choices)
         dataset.attrs["flag_values"] = np.arange(float(len(quantity.choices)))
-
-
-def _number_blocks(blocks: Iterable[Vector]) -> Iterator[tuple[int, Vector]]:
-    """Each block with the number of its first row."""
-    first = 0
-    for block in blocks:
-        yield first, block
-        first += len(block)
 
 
 def find_result(path: Path | str) -> Path:

@@ -14,6 +14,7 @@ from xarray.core import indexing
 
 # Attributes of netCDF and HDF5 themselves, and of what has become coordinates.
 OWN = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "coordinates", "_NCProperties"}
+ONLY_A_DIMENSION = b"This is a netCDF dimension but not"
 
 
 class _Stored(BackendArray):
@@ -41,16 +42,12 @@ def _list_datasets(group: Any) -> Iterator[tuple[str, xarray.Dataset]]:
     for name, stored in group.items():
         if isinstance(stored, h5py.Group):
             yield from _list_datasets(stored)
-        elif not _is_only_a_dimension(stored):
+        elif not bytes(stored.attrs.get("NAME", b"")).startswith(ONLY_A_DIMENSION):
             dimensions = ("time", "node")[: stored.ndim]
             values = indexing.LazilyIndexedArray(_Stored(stored))
             variables[name] = xarray.Variable(dimensions, values, _read_attributes(stored))
     names = str(group.attrs.get("coordinates", "")).split()
     yield group.name, xarray.Dataset(variables, attrs=_read_attributes(group)).set_coords(names)
-
-
-def _is_only_a_dimension(stored: Any) -> bool:
-    return bytes(stored.attrs.get("NAME", b"")).startswith(b"This is a netCDF dimension but not")
 
 
 def _read_attributes(of: Any) -> dict[str, Any]:

@@ -170,9 +170,9 @@ def _read_file(element: Any, source: str, files: Files, where: str) -> bytes:
 
 def _read_set(root: Any, found: Structure, where: str) -> Iterator[tuple[str, StatedValue]]:
     units = found.units | read_units(root)
-    bracketed = dict.fromkeys(
-        unit for one in root.iter() if _is_bracketed(unit := one.get("unit") or "", units)
-    )
+    stated = dict.fromkeys(one.get("unit") or "" for one in root.iter())
+    # Which the standard does not have.
+    bracketed = [unit for unit in stated if unit[:1] == "[" and unit[-1:] == "]" and unit not in units]
     for unit in bracketed:
         _log.warning("%s: the unit %s is taken as %s", where, unit, unit[1:-1])
     enumerations = found.enumerations | read_enumerations(root)
@@ -213,11 +213,6 @@ def _list_elements(name: str, shape: list[int], texts: list[str], where: str) ->
         sizes = " x ".join(map(str, shape))
         raise ScenarioError(f"{where}: {name} has {len(texts)} values: must be {sizes}; correct it")
     return [f"{name}[{','.join(map(str, one))}]" for one in product(*(range(1, n + 1) for n in shape))]
-
-
-def _is_bracketed(unit: str, units: dict[str, Unit]) -> bool:
-    """Whether it is a unit that a tool wrote in brackets, which the standard does not have."""
-    return unit[:1] == "[" and unit[-1:] == "]" and unit not in units
 
 
 def _find_targets(

@@ -33,7 +33,7 @@ from ...participants.description import (
 from ...participants.description3 import STRUCTURAL
 from ...participants.open_fmu import collect_settings
 from ...store.atomic_write import write_whole
-from .. import ComponentTable, Line, Scenario, ScenarioError, parse_line
+from .. import Line, Scenario, ScenarioError, parse_line
 from ..system import Assembly, Builder, assemble, resolve_start
 from ..values import SECTIONS
 from .names import (
@@ -86,7 +86,8 @@ def export(scenario: Scenario, target: Path, build: Builder, version: str = VERS
     for name, instance in system.instances.items():
         table = scenario.components[name]
         sizes = table.structure if table.third_party else {}
-        stated: dict[str, Any] = {**sizes, **_collect_values(instance), **table.strings}
+        asked = collect_settings(instance)
+        stated: dict[str, Any] = {**sizes, **asked.values, **asked.inputs, **table.strings}
         rest = collect_settings(started.instances[name]).values if resting else {}
         computed = {key: value for key, value in rest.items() if key not in instance.parameters}
         for suffix, values in (("", stated), (START, computed)):
@@ -125,17 +126,13 @@ SET = "values"
 START = ".equilibrium"
 
 
-def _get_kind(table: ComponentTable) -> str:
-    """Of the FMU that is built; a package has one for every component."""
-    return "fmu" if table.participant == "in-process" else table.participant
-
-
 def _pack(scenario: Scenario, build: Builder) -> dict[str, PackedFmu]:
     """Every component's FMU; equal files once."""
     places: dict[str, str] = {}
     packed = {}
     for name, table in scenario.components.items():
-        path = table.file or build(str(table.component), table.structure, _get_kind(table))
+        kind = "fmu" if table.participant == "in-process" else table.participant
+        path = table.file or build(str(table.component), table.structure, kind)
         content = path.read_bytes()
         stem = path.stem if table.file else str(table.component)
         digest = hashlib.sha256(content).hexdigest()
@@ -145,12 +142,6 @@ def _pack(scenario: Scenario, build: Builder) -> dict[str, PackedFmu]:
         about = table.describe() if table.third_party else read_description(path)
         packed[name] = PackedFmu(places[digest], content, about)
     return packed
-
-
-def _collect_values(instance: Instance) -> dict[str, float]:
-    """The values that the scenario states, by the FMU's variables."""
-    asked = collect_settings(instance)
-    return {**asked.values, **asked.inputs}
 
 
 def _write_parameter_set(
