@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:  # which imports a compiler, that the process of an FMU does w
     from models.core.system import Connection, Port
 
 from .description import Description, DescriptionError, read_description
+from .protocol import Abilities
 
 HIGHEST = INPUT_COEFFICIENTS - 1
 
@@ -36,9 +37,18 @@ def uses_event_mode(about: Description) -> bool:
     return about.events is not None and not about.is_own
 
 
-def has_side_channel(about: Description) -> bool:
-    """Whether an FMU has events, clocks or texts at communication points of co-simulation."""
-    return not about.integrated and (uses_event_mode(about) or bool(about.list_texts("input", "output")))
+def list_abilities(about: Description, unit: Any) -> Abilities:
+    """Those of an FMU whose `unit` implements `SideChannel` and `Derivatives` as well."""
+    between = uses_event_mode(about) or about.list_texts("input", "output")
+    return Abilities(
+        about.restorable,
+        about.variable_step,
+        about.divisible,
+        unit if between and not about.integrated else None,
+        unit,
+        unit.warnings,
+        unserialisable=about.unserialisable,
+    )
 
 
 def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:

@@ -11,7 +11,7 @@ from models.core.quantities import Vector
 
 from ..errors import ParticipantError
 from .bound_variables import BoundInputs, BoundOutputs
-from .capabilities import has_side_channel, signal_degrees, uses_event_mode
+from .capabilities import list_abilities, signal_degrees, uses_event_mode
 from .compiled_calls import SET, STEP, CompiledCalls, NotCompiledError
 from .description import Description, DescriptionError, read_description
 from .fmi1 import Fmi1
@@ -19,7 +19,7 @@ from .fmi2 import Fmi2
 from .fmi3 import Fmi3
 from .fmi3_events import Fmi3WithEvents
 from .opened_fmu import FmuSettings, OpenedFmu
-from .protocol import Abilities, BoundVariables
+from .protocol import BoundVariables
 
 if TYPE_CHECKING:
     from .model_exchange.integrated import IntegratedFmu
@@ -47,15 +47,7 @@ class FmuParticipant(OpenedFmu):
         self._records: list[Any] = []
         self._events = self._fmi if isinstance(self._fmi, Fmi3WithEvents) and self._fmi.used else None
         self.has_events = self._events is not None
-        self.abilities = Abilities(
-            description.restorable,
-            description.variable_step,
-            description.divisible,
-            self if has_side_channel(description) else None,
-            self,
-            self.warnings,
-            unserialisable=description.unserialisable,
-        )
+        self.abilities = list_abilities(description, self)
         self._step = self._fmi.bind_step(self._errors.fail_step)
         holds = 0 in signal_degrees(description, [v.name for v in description.list_variables("input")])
         # What runs in every step are such functions themselves, not methods around them.

@@ -11,13 +11,13 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from .capabilities import has_side_channel, signal_degrees, uses_event_mode
+from .capabilities import list_abilities, signal_degrees, uses_event_mode
 from .compiled_calls import NotCompiledError
 from .description import read_description
 from .messages import ADVANCE, READ, TIMES
 from .opened_fmu import FmuSettings
 from .own_process import NO_LIMITS, Limits, OwnProcess
-from .protocol import Abilities, BoundVariables
+from .protocol import BoundVariables
 
 Saved = int  # the process's number of a state
 
@@ -32,15 +32,7 @@ class InOwnProcess(OwnProcess):
         self._names = list(settings.outputs)
         self._about = about = read_description(path, settings.interface, settings.sizes)
         self.has_events = uses_event_mode(about)
-        self.abilities = Abilities(
-            about.restorable,
-            about.variable_step,
-            about.divisible,
-            self if has_side_channel(about) else None,
-            self,
-            self.warnings,
-            unserialisable=about.unserialisable,
-        )
+        self.abilities = list_abilities(about, self)
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._about, input_names)

@@ -96,11 +96,6 @@ def test_what_stands_beside_a_wire_and_is_no_value_is_named(tmp_path: Path, more
         read_spring(tmp_path, base, name, f"[components.{name}]\n{more}\n")
 
 
-def test_what_follows_from_the_wire_is_not_given_beside_it(tmp_path: Path) -> None:
-    with pytest.raises(ScenarioError, match=r"parameters.spring_rate: follows from the wire; leave one"):
-        read_spring(tmp_path, more="[components.spring.parameters]\nspring_rate = 3e4\n")
-
-
 @pytest.mark.parametrize("name", ["spring_rate = 3e4", "gap[1] = 1e-3", "wire_stress = 1e6"])
 def test_what_follows_from_the_wire_is_not_set_beside_it_in_any_order(name: str) -> None:
     settings = [f"components.spring.wire.{k} = {v}" for k, v in WIRE.items()]
