@@ -6,16 +6,14 @@ import numpy as np
 import pytest
 
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
-from orchestrator.engine.observer import Observer
-from orchestrator.engine.step import Step
 from orchestrator.masters import MASTERS
-from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.participants.protocol import Abilities
-from orchestrator.run.simulation import Statistics, simulate
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import FixedSteps, ForwardSteps, StepControl, Stepper
 from tests.models import exact_oscillators as exact
+
+from .coupled import build_participants, run_coupled
 
 STOP = 2.0
 MASSES = build_system(load("two-masses"))
@@ -39,46 +37,18 @@ class OneWay:
         return getattr(self._unit, name)
 
 
-class Positions(Observer):
-    """Records outputs, and the steps."""
-
-    def __init__(self, *outputs: str) -> None:
-        self._outputs = outputs
-
-    def begin(self, names: Any) -> None:
-        self._columns = [list(names).index(output) for output in self._outputs]
-        self.times: list[float] = []
-        self.values: list[Any] = []
-        self.steps: list[Step] = []
-
-    def observe(self, time: float, outputs: Any, step: Step) -> None:
-        if step.length:
-            self.times.append(time)
-            self.values.append(outputs()[self._columns])
-            self.steps.append(step)
-
-
 def ride(
-    steps: Stepper, master: str = "gauss_seidel", name: str = "quarter-car"
-) -> tuple[float, Statistics, Positions]:
-    """The error of a scenario's first output (RMS over the RMS of its motion), its cost, and its steps."""
+    steps: Stepper, master: str = "gauss_seidel", name: str = "quarter-car", signal: str = "quadratic",
+    wrap: Any = OneWay,
+) -> tuple[float, Any]:  # fmt: skip
+    """The error of a scenario's first output (RMS over the RMS of its motion), and the records."""
     output, solve = TRUE[name]
-    statistics, found = drive(steps, master, name, output)
-    true = solve(np.array(found.times))
-    error = np.sqrt(np.mean((np.array(found.values)[:, 0] - true) ** 2) / np.mean(true**2))
-    return float(error), statistics, found
-
-
-def drive(
-    steps: Stepper, master: str, name: str, *outputs: str, signal: str = "quadratic", wrap: Any = OneWay
-) -> tuple[Statistics, Positions]:
-    """A run's cost, and what it gave."""
     system = build_system(load(name))
-    units: dict[str, Any] = {name: wrap(in_process(name, i)) for name, i in system.instances.items()}
-    found = Positions(*outputs)
-    watching: list[Observer] = [found]
-    statistics = simulate(system, units, MASTERS[master](extrapolation=signal), steps, STOP, watching)
-    return statistics, found
+    units = {part: wrap(unit) for part, unit in build_participants(system).items()}
+    found = run_coupled(system, MASTERS[master](extrapolation=signal), steps, STOP, **units)
+    true = solve(found.times[1:])
+    error = np.sqrt(np.mean((found[output][1:] - true) ** 2) / np.mean(true**2))
+    return float(error), found
 
 
 def control(tolerance: float) -> ForwardSteps:
@@ -97,12 +67,12 @@ def control(tolerance: float) -> ForwardSteps:
 )
 def test_the_error_falls_with_the_tolerance_and_is_compared_with_fixed_steps(name, master, most, record):
     """Participants that cannot go back, at the same number of steps."""
-    loose, _, _ = ride(control(1e-3), master, name)
-    tight, statistics, _ = ride(control(1e-5), master, name)
+    loose, _ = ride(control(1e-3), master, name)
+    tight, found = ride(control(1e-5), master, name)
     assert tight < 0.1 * loose
-    assert statistics.rejected_steps == 0
-    fixed, same, _ = ride(FixedSteps(STOP / statistics.macro_steps), master, name)
-    assert same.macro_steps == statistics.macro_steps
+    assert found.statistics.rejected_steps == 0
+    fixed, same = ride(FixedSteps(STOP / found.statistics.macro_steps), master, name)
+    assert same.statistics.macro_steps == found.statistics.macro_steps
     case = f"{name}, defect, {master}: error over that of fixed steps at equal work"
     record("Coupling", case, tight / fixed, 0.0, "bound", tolerance=most)
 
@@ -113,8 +83,8 @@ def test_where_equal_steps_are_best_controlled_ones_come_near(master, record):
     """A motion of even liveliness, over seven tolerances: the steps at the start are all that is lost."""
     ratios = []
     for tolerance in np.geomspace(1e-3, 1e-6, 7):
-        error, statistics, _ = ride(control(float(tolerance)), master, "two-masses")
-        fixed, _, _ = ride(FixedSteps(STOP / statistics.macro_steps), master, "two-masses")
+        error, found = ride(control(float(tolerance)), master, "two-masses")
+        fixed, _ = ride(FixedSteps(STOP / found.statistics.macro_steps), master, "two-masses")
         ratios.append(error / fixed)
     case = f"two-masses, defect, {master}, 1e-3 to 1e-6: error over that of fixed steps at equal work"
     record("Coupling", f"{case}, median", float(np.median(ratios)), 0.0, "bound", tolerance=1.1)
@@ -125,21 +95,18 @@ def test_where_equal_steps_are_best_controlled_ones_come_near(master, record):
 @pytest.mark.parametrize("master", ["jacobi", "gauss_seidel"])
 def test_participants_that_cannot_go_back_begin_as_well_as_others(master, signal):
     """Two masses on a spring that is stretched at the start, with equal steps: the same error."""
-    true, error = TRUE["two-masses"][1], []
+    error = []
     for wrap in (OneWay, lambda unit: unit):
-        statistics, found = drive(
-            FixedSteps(5e-3), master, "two-masses", "first.position", signal=signal, wrap=wrap
-        )
-        missed = np.array(found.values)[:, 0] - true(np.array(found.times))
-        error.append(float(np.sqrt(np.mean(missed**2))))
-        assert statistics.do_steps <= 2 * (STOP / 5e-3 + 16)
+        missed, found = ride(FixedSteps(5e-3), master, "two-masses", signal=signal, wrap=wrap)
+        error.append(missed)
+        assert found.statistics.do_steps <= 2 * (STOP / 5e-3 + 16)
     assert error[0] == pytest.approx(error[1], rel=0.1)
 
 
 @pytest.mark.long
 def test_a_step_over_the_tolerance_is_kept_and_told():
     """The two masses start with a force that is in no signal yet."""
-    _, _, found = ride(control(1e-8), name="two-masses")
-    assert found.steps[0].length == pytest.approx(2.5e-5)
-    assert max(step.error for step in found.steps[:10]) > 1.0
-    assert np.mean([step.error > 1.0 for step in found.steps[10:]]) < 0.05
+    steps = ride(control(1e-8), name="two-masses")[1].steps[1:]
+    assert steps[0].length == pytest.approx(2.5e-5)
+    assert max(step.error for step in steps[:10]) > 1.0
+    assert np.mean([step.error > 1.0 for step in steps[10:]]) < 0.05
