@@ -7,11 +7,10 @@ import numpy as np
 from orchestrator.errors import RunError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants.in_process import InProcessParticipant as in_process
-from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, StepControl
 
+from .coupled import Recorder, run_coupled
 from .faulty import Faulty
-from .recorder import Recorder
 from .two_masses import exact, two_masses
 
 STOP = 1.0
@@ -43,16 +42,12 @@ def sound(kind):
 
 
 def simulated(second, master, steps):
-    system, recorder = two_masses(), Recorder()
+    system, recorder, ended = two_masses(), Recorder(), None
     units = {"first": Faulty(in_process("first", system.instances["first"])), "second": second}
-    ended = None
     try:
-        simulate(system, units, master, steps, STOP, [recorder])
+        run_coupled(system, master, steps, STOP, recorder=recorder, **units)
     except RunError as error:
         ended = error
-    finally:
-        for unit in units.values():
-            unit.close()
     assert recorder.ended == (ended is None, "" if ended is None else str(ended))
     for unit in units.values():
         if isinstance(unit, Faulty):

@@ -52,8 +52,6 @@ class {name}(Fmi2Slave):
 # Where a vice's code goes, and what it is. Times and lengths in seconds.
 VICES = {
     "sound": {},
-    "discarding": {"before_step": "if h > 3e-3: self.log('too long for me'); return False"},
-    "spoiling": {"before_step": "if h > 3e-3: self.position += 1.0; return False"},
     "refusing": {"before_step": "if t > 0.5: self.log('no way on'); return False"},
     "raising": {"before_step": "if t > 0.5: raise RuntimeError('broken gear')"},
     "unborn": {"at_start": "raise RuntimeError('no licence')"},

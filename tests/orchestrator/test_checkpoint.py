@@ -23,8 +23,7 @@ from orchestrator.stepping import ControlledSteps, FixedSteps, ForwardSteps, Ste
 from orchestrator.store.json_codec import from_text, to_text
 
 from .alone import Alone
-from .coupled import Wrapper, build_participants
-from .recorder import Recorder
+from .coupled import Recorder, Wrapper, build_participants
 from .two_masses import two_masses
 
 STOP = 0.2

@@ -28,8 +28,7 @@ from orchestrator.stepping.guard import RunawayGuard
 from tests.models.exact_oscillators import quarter_car, two_masses
 
 from ..third_party.public import public
-from .coupled import run_coupled
-from .recorder import Recorder
+from .coupled import Recorder, run_coupled
 
 PUBLISHED = "cosim-benchmarks/hydraulicManipulator_refM2.csv"
 

@@ -24,8 +24,7 @@ from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
 
 from .alone import Alone
-from .coupled import build_participants, run_coupled
-from .recorder import Recorder
+from .coupled import Recorder, build_participants, run_coupled
 from .test_checkpoint import Kept
 
 NODES, STEP, RADIUS = 101, 1e-5, 0.01

@@ -37,10 +37,9 @@ from orchestrator.stepping import ControlledSteps, StepControl
 from tests.models import exact_oscillators as solutions
 
 from .commands import SHORT, called
-from .coupled import run_coupled
+from .coupled import Recorder, run_coupled
 from .faulty import Faulty, after, at_random, every, longer_than
 from .faulty_runs import CONTROLLED, STOP, TOLERANCE, controlled, faulty, missed, simulated, sound
-from .recorder import Recorder
 from .small_fmus import small_fmu
 from .test_fmu_commands import write_tampered
 from .two_masses import two_masses

@@ -15,8 +15,7 @@ from orchestrator.masters.newton import Correction
 from orchestrator.participants.in_process import InProcessParticipant as in_process
 from orchestrator.stepping.controlled import PI
 
-from .coupled import Wrapper, build_participants, run_coupled
-from .recorder import Recorder
+from .coupled import Recorder, Wrapper, build_participants, run_coupled
 from .two_masses import exact, two_masses
 
 STOP = 2.0

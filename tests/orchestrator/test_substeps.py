@@ -31,10 +31,6 @@ def second():
     return in_process("second", two_masses().instances["second"])
 
 
-def open_small(vice, folder, restorable=False):
-    return open_fmu("second", small_fmu(vice, folder, restorable), two_masses().instances["second"])
-
-
 @settings(deadline=None)
 @given(
     st.lists(st.floats(-10, 10), min_size=4, max_size=4),
@@ -70,8 +66,9 @@ def test_a_participant_that_follows_polynomials_gets_the_same_however_they_are_c
 
 def test_substeps_make_held_inputs_converge(tmp_path):
     """An FMU that gets means of its inputs converges with the second order of its own step."""
+    file, instance = small_fmu("sound", tmp_path), two_masses().instances["second"]
     one, two, many = (
-        run(Substepped(open_small("sound", tmp_path), n))["second.position"] for n in (1, 2, 20)
+        run(Substepped(open_fmu("second", file, instance), n))["second.position"] for n in (1, 2, 20)
     )
     errors = [np.abs(each - many).max() for each in (one, two)]
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)
@@ -136,21 +133,3 @@ def test_what_cannot_be_restored_and_does_not_say_where_it_is_is_not_tried_again
         unit.abilities = Abilities(restorable=False)
         with pytest.raises(error, match=r"t = 0\.5 s by 0\.01 s"):
             run(Substepped(unit, halvings=4))
-
-
-@pytest.mark.parametrize(
-    ("vice", "restorable", "bound"),
-    [
-        # A hundred steps with some eps of rounding each, times the 7 rad/s of the faster mode.
-        ("discarding", False, 100 * 10 * np.finfo(float).eps * 7),
-        # It spoils its state, and is restored. The first steps are short, in one piece or in four.
-        ("spoiling", True, 1e-6),
-    ],
-)
-def test_an_fmu_that_discards_long_steps_is_retried(vice, restorable, bound, tmp_path):
-    """It needs steps of 2.5 ms at most: the same as four substeps. It holds its inputs, as the signals do."""
-    retried, quartered = (
-        run(Substepped(open_small(vice, tmp_path, restorable), *cut), GaussSeidel("hold"))
-        for cut in ((1, 6), (4,))
-    )
-    assert np.abs(retried["second.position"] - quartered["second.position"]).max() < bound

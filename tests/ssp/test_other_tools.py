@@ -25,7 +25,7 @@ from tests.fmus.conftest import isolated
 from tests.fmus.names import mark_long
 from tests.models.exact_oscillators import two_masses
 from tests.orchestrator.commands import called
-from tests.orchestrator.recorder import Recorder
+from tests.orchestrator.coupled import Recorder
 from tests.third_party.public import public
 from tests.third_party.runs import find_texts, never, recorded
 from tribocosim.cached_fmus import build_fmu
