@@ -12,13 +12,13 @@ from orchestrator.analyses.stability.responses import Responses
 from orchestrator.analyses.stability.survey import Survey
 from orchestrator.masters import find_name
 from orchestrator.participants.open_fmu import collect_settings, open_fmu
-from orchestrator.participants.protocol import BoundVariables
 from orchestrator.participants.reopened import Reopened
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
 from orchestrator.scenario import Scenario, ScenarioError
 from orchestrator.scenario.system import build_system, resolve
 
+from ..orchestrator.alone import Alone
 from .c_fmus import fmu
 from .masses import masses as coupled_masses
 from .public import public
@@ -45,28 +45,17 @@ def test_a_fresh_instance_repeats_its_calls_to_the_bit(process: str, tmp_path: P
     instance = build_system(one).instances["second"]
     path = Path(one.components["second"].participant)
     assert "position" in collect_settings(instance).outputs
-    unit = Reopened(lambda: open_fmu("second", path, instance))
-    force, position = np.zeros((4, 1)), np.zeros(1)
-    unit.connect(BoundVariables(["force"], force, ["position"], position, np.zeros(0)))
-    unit.initialise(0.0, 1.0)
-    unit.finish_initialisation()
-    found = []
-    for k in range(4):
-        force[0] = 1.0 + k
-        unit.write()
-        if k == 2:
-            saved = unit.save()
-        unit.advance(0.1 * k, 0.1)
-        unit.read()
-        found.append(position[0])
-    unit.restore(saved)
-    for k in (2, 3):
-        force[0] = 1.0 + k
-        unit.write()
-        unit.advance(0.1 * k, 0.1)
-        unit.read()
-        assert position[0] == found[k]
-    unit.close()
+    alone = Alone(Reopened(lambda: open_fmu("second", path, instance)), "force", ["position"], 0.0)
+
+    def advance(*steps: int) -> list[list[float]]:
+        return [alone.advance(0.1 * k, 0.1, 1.0 + k) for k in steps]
+
+    advance(0, 1)
+    saved = alone.unit.save()
+    found = advance(2, 3)
+    alone.unit.restore(saved)
+    assert advance(2, 3) == found
+    alone.unit.close()
 
 
 @pytest.mark.long

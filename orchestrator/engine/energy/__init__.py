@@ -5,7 +5,6 @@ Both sides of a bond integrate its power inside their steps, with the inputs tha
 """
 
 from .account import Account, lines
-from .counting import add_counting, counting_structure
-from .ledger import Ledger
+from .ledger import Ledger, add_counting, counting_structure
 
 __all__ = ["Account", "Ledger", "add_counting", "counting_structure", "lines"]

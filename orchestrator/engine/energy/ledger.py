@@ -1,8 +1,8 @@
-"""The ledger: an observer that books the energies of every record."""
+"""Instances that count their energies, and the ledger: an observer that books them of every record."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from models.core.bonds import (
     SOURCED_ENERGY,
     STORED_ENERGY,
     CountingComponent,
+    counting,
     energy_through,
 )
 from models.core.quantities import Quantity, Vector
@@ -24,6 +25,21 @@ from ..observer import Observer, is_recorded
 from ..step import Step
 from .account import Account, BondAccount, ComponentAccount
 from .bonds import Bond, find_bonds
+
+
+def add_counting(system: System, names: Collection[str]) -> System:
+    """The system with the instances `names` counting their energies."""
+    return system.with_instances(
+        {
+            name: replace(i, component=counting(i.component)) if name in names else i
+            for name, i in system.instances.items()
+        }
+    )
+
+
+def counting_structure(structure: Mapping[str, int]) -> dict[str, int]:
+    """The structure of the FMU that counts."""
+    return {**structure, "energies": 1}
 
 
 @dataclass(frozen=True)

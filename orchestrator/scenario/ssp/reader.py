@@ -9,6 +9,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
+import fmpy
+from lxml import etree
+
 from models.core.component import Component
 from models.core.quantities import Quantity
 from models.core.system import suggestion
@@ -29,7 +32,6 @@ from ..conversion import get_units
 from ..values import WithUnit, build_component, list_layouts
 from .lines import build_lines
 from .names import NAMESPACES, OURS, STRUCTURE
-from .schema import find_schema_fault
 from .structure import Path as Place
 from .structure import Structure, read_structure
 from .unpack import unpack, unpack_into_cache
@@ -37,6 +39,9 @@ from .values import StatedValue, read_values
 from .writer import START
 
 _log = logging.getLogger("tribocosim")
+# The schemas of SSP 1, which fmpy contains, by the suffixes of files.
+FOLDER = Path(fmpy.__file__).parent / "ssp" / "schema"
+SCHEMAS = {".ssd": "Description", ".ssv": "ParameterValues", ".ssm": "ParameterMapping"}
 # Steps of a run if no step size is stated.
 STEPS = 1000
 
@@ -73,6 +78,24 @@ def _read_folder(name: str, folder: Path) -> dict[str, Any]:
         said = error.args[0] if isinstance(error, KeyError) else error
         fault = find_schema_fault(folder) or said
         raise ScenarioError(f"{name}: not as SSP has it: {fault}; correct it") from None
+
+
+def find_schema_fault(folder: Path) -> str:
+    """The first violation of the standard in the folder's files of SSP 1, with its line; empty if none."""
+    for file in sorted(folder.rglob("*")):
+        if file.suffix not in SCHEMAS:
+            continue
+        try:
+            root = etree.parse(str(file))
+        except etree.XMLSyntaxError as error:
+            return f"{file.relative_to(folder).as_posix()}: {error}"
+        if not (root.getroot().get("version") or "1.0").startswith("1."):
+            continue
+        schema = etree.XMLSchema(etree.parse(str(FOLDER / f"SystemStructure{SCHEMAS[file.suffix]}.xsd")))
+        if not schema.validate(root):
+            first = schema.error_log[0]
+            return f"{file.relative_to(folder).as_posix()}, line {first.line}: {first.message}"
+    return ""
 
 
 def _read(name: str, folder: Path) -> dict[str, Any]:
