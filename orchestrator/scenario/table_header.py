@@ -36,18 +36,12 @@ CAM_WORDS = (
     "cam", "degcam", "nw", "came", "camme", "leva", "levas", "nok", "kam", "カム", "凸轮", "凸輪", "캠",
 )  # fmt: skip
 CAM_BEGINNINGS = (
-    *(
-        "camsh", "camang", "camdeg", "nocken", "nokken", "kamaks", "kamvink", "knast", "krzywk", "vačk",
-        "кулач",
-    ),
+    "camsh", "camang", "camdeg", "nocken", "nokken", "kamaks", "kamvink", "knast", "krzywk", "vačk", "кулач",
 )  # fmt: skip
 GERMAN = ("winkel", "hub", "kurbel", "nocken", "ventil", "drehwinkel")
 ANGLE_NAMES = (
-    *(
-        "angle", "winkel", "degree", "deg", "°", "grad", "theta", "phi", "φ", "θ", "ángulo", "angulo",
-        "angolo",
-    ),
-    *("hoek", "vinkel", "kąt", "угол", "rotation", "position"),
+    "angle", "winkel", "degree", "deg", "°", "grad", "theta", "phi", "φ", "θ", "ángulo", "angulo", "angolo",
+    "hoek", "vinkel", "kąt", "угол", "rotation", "position",
 )  # fmt: skip
 
 
@@ -93,16 +87,12 @@ def strip_shaft(unit: str) -> str:
     return " ".join(left)
 
 
-def is_of(word: str, words: tuple[str, ...], beginnings: tuple[str, ...]) -> bool:
-    return word in words or word.startswith(beginnings)
-
-
 def _is_cam(word: str) -> bool:
-    return is_of(word, CAM_WORDS, CAM_BEGINNINGS)
+    return word in CAM_WORDS or word.startswith(CAM_BEGINNINGS)
 
 
 def _is_crank(word: str) -> bool:
-    return is_of(word, CRANK_WORDS, CRANK_BEGINNINGS)
+    return word in CRANK_WORDS or word.startswith(CRANK_BEGINNINGS)
 
 
 def find_crank_word(column: Column) -> str:
