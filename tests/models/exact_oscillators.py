@@ -4,8 +4,7 @@ The systems are those that the components make when they are connected; paramete
 """
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import expm
@@ -88,93 +87,48 @@ def bouncing_mass(
     critical = 2.0 * math.sqrt(s.stiffness * m.mass)
     if s.damping >= critical:
         raise ValueError(f"damping = {s.damping:g} N.s/m: must be less than the critical {critical:g}")
-    flight, contact = _Flight(m, s), _Contact(m, s)
-    c = s.stop_position - position
-    pushes = s.stiffness * c - s.damping * velocity > 0.0
-    touching = (c > 0.0 and pushes) or (c == 0.0 and velocity <= 0.0)
+    g, rest, decay = m.gravity, s.stop_position - m.mass * m.gravity / s.stiffness, 0.5 * s.damping / m.mass
+    w = math.sqrt(s.stiffness / m.mass - decay**2)
+
+    def fly(t: Any, y: float, v: float) -> tuple[Any, Any]:
+        return y + v * t - 0.5 * g * t * t, v - g * t
+
+    def swing(t: Any, y: float, v: float) -> tuple[Any, Any]:
+        """About the place where the stop carries the weight."""
+        r, cosine, sine, size = y - rest, np.cos(w * t), np.sin(w * t), np.exp(-decay * t)
+        slope = size * (v * cosine - (s.stiffness / m.mass * r + decay * v) / w * sine)
+        return rest + size * (r * cosine + (v + decay * r) / w * sine), slope
+
+    def margin(y: Any, v: Any) -> Any:
+        """Positive where the stop pushes."""
+        return np.minimum(s.stop_position - y, s.stop_position - y - s.damping / s.stiffness * v)
+
+    def find_end(touching: bool, y: float, v: float) -> float:
+        """How long the phase lasts: a flight at most as long as the fall to the stop, a contact a period."""
+        fall = (v + math.sqrt(max(0.0, v * v + 2.0 * g * (y - s.stop_position)))) / g
+        move, most = (swing, 2.0 * math.pi / w) if touching else (fly, 1.001 * fall)
+        grid = np.linspace(0.0, most, 4001)
+        margins = margin(*move(grid, y, v))
+        ended = np.flatnonzero((margins[1:] > 0.0) != touching)
+        # A mass that only comes back to the stop's place, to rounding, doesn't leave it.
+        if not ended.size or (touching and margins.min() > -1e-15):
+            return math.inf
+        low, high = grid[ended[0]], grid[ended[0] + 1]
+        return float(
+            brentq(lambda t: margin(*move(t, y, v)), low, high, xtol=1e-300, rtol=4.0 * np.finfo(float).eps)
+        )
+
+    touching = bool(margin(position, velocity) > 0.0) or (position == s.stop_position and velocity <= 0.0)
     motion = np.empty((len(times), 2))
     events: tuple[list[float], list[float]] = ([], [])
-    begun, y, v = 0.0, position, velocity
-    done = 0
+    begun, y, v, done = 0.0, position, velocity, 0
     while done < len(times):
-        phase: _Flight | _Contact = contact if touching else flight
-        length = phase.length(y, v)
-        stop_at = int(np.searchsorted(times, begun + length, side="right"))
-        for i in range(done, stop_at):
-            motion[i] = phase.at(times[i] - begun, y, v)
-        done = stop_at
+        move, length = swing if touching else fly, find_end(touching, y, v)
+        end = int(np.searchsorted(times, begun + length, side="right"))
+        motion[done:end] = np.transpose(move(np.asarray(times[done:end]) - begun, y, v))
+        done = end
         if done < len(times):
             events[touching].append(begun + length)
-            y, v = phase.at(length, y, v)
+            y, v = move(length, y, v)
             begun, touching = begun + length, not touching
     return Bouncing(motion, np.array(events[0]), np.array(events[1]))
-
-
-@dataclass(frozen=True)
-class _Flight:
-    """Free fall."""
-
-    mass: FallingMassParameters
-    stop: SpringStopParameters
-
-    def at(self, s: float, y: float, v: float) -> tuple[float, float]:
-        g = self.mass.gravity
-        return y + v * s - 0.5 * g * s * s, v - g * s
-
-    def length(self, y: float, v: float) -> float:
-        """Time until the stop pushes."""
-        g, k, d = self.mass.gravity, self.stop.stiffness, self.stop.damping
-        c = self.stop.stop_position - y
-        if c > 0.0:
-            # Lost while still compressed: the force that the damper holds down, a parabola, may come back.
-            b = k * v - d * g
-            back = (b + math.sqrt(max(0.0, b * b - 2.0 * k * g * (k * c - d * v)))) / (k * g)
-            left = v * v - 2.0 * g * c
-            out = (v - math.sqrt(left)) / g if v > 0.0 and left >= 0.0 else math.inf
-            if back <= out:
-                return back
-        return (v + math.sqrt(max(0.0, v * v - 2.0 * g * c))) / g
-
-
-@dataclass(frozen=True)
-class _Contact:
-    """Oscillation about the place where the stop carries the weight."""
-
-    mass: FallingMassParameters
-    stop: SpringStopParameters
-
-    def _swing(self, s: float, r: float, v: float) -> tuple[float, float]:
-        """Solution and slope of r'' + (d/m) r' + (k/m) r = 0."""
-        k, d, m = self.stop.stiffness, self.stop.damping, self.mass.mass
-        decay = 0.5 * d / m
-        w = math.sqrt(k / m - decay * decay)
-        cosine, sine, size = math.cos(w * s), math.sin(w * s), math.exp(-decay * s)
-        slope = size * (v * cosine - (k / m * r + decay * v) / w * sine)
-        return size * (r * cosine + (v + decay * r) / w * sine), slope
-
-    def at(self, s: float, y: float, v: float) -> tuple[float, float]:
-        middle = self.stop.stop_position - self.mass.mass * self.mass.gravity / self.stop.stiffness
-        r, slope = self._swing(s, y - middle, v)
-        return middle + r, slope
-
-    def length(self, y: float, v: float) -> float:
-        """Time until the stop no longer pushes; infinite if it always does."""
-        k, d, m = self.stop.stiffness, self.stop.damping, self.mass.mass
-        weight = m * self.mass.gravity
-        # The force less the weight swings as the mass does: f'' + (d/m) f' + (k/m) f = 0.
-        f = k * (self.stop.stop_position - y) - d * v - weight
-        slope = -k * v - d * f / m
-        bend = -(k * f + d * slope) / m
-        decay = 0.5 * d / m
-        w = math.sqrt(k / m - decay * decay)
-        extreme = math.atan2(slope, -(bend + decay * slope) / w) % math.pi / w
-        earlier = 0.0
-        if self._swing(extreme, f, slope)[0] > 0.0:
-            earlier, extreme = extreme, extreme + math.pi / w
-
-        def force(s: float) -> float:
-            return weight + self._swing(s, f, slope)[0]
-
-        if force(extreme) >= 0.0:
-            return math.inf
-        return float(brentq(force, earlier, extreme, xtol=1e-300, rtol=4.0 * np.finfo(float).eps))
