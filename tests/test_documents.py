@@ -1,5 +1,6 @@
 """The documents: CI runs the README's test command; commands are understood, links lead somewhere."""
 
+import contextlib
 import csv
 import importlib.util
 import os
@@ -20,6 +21,8 @@ import tribocosim.errors
 from orchestrator.scenario.files import list_shipped, load
 from reproduction import SOURCES
 from tribocosim.command_line import app
+
+from .orchestrator.commands import called
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -203,3 +206,32 @@ def test_every_tutorial_prints_what_it_says(page: Path, tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-4000:]
     assert done.stdout.splitlines() == list_expected(code)
+
+
+FAQ = (DOCS / "faq.md").read_text("utf-8")
+ANSWERS = dict(re.findall(r"^\*\*(.+?)\*\*(.+?)(?=^\*\*|^## |\Z)", FAQ, re.DOTALL | re.MULTILINE))
+# Words of the questions whose answers take a second; others build FMUs, or run for longer.
+FAST = ("couple two", "repeat a step", "late by one step", "write my own", "each time")
+CASES = [
+    pytest.param(answer, id=question, marks=[] if any(w in question for w in FAST) else pytest.mark.long)
+    for question, answer in ANSWERS.items()
+]
+
+
+def test_questions_are_found() -> None:
+    assert len(ANSWERS) == FAQ.count("\n**") >= 20
+    assert sum(not case.marks for case in CASES) == len(FAST)
+
+
+@pytest.mark.parametrize("answer", CASES)
+def test_an_answer_does_what_it_says(answer: str, tmp_path: Path) -> None:
+    blocks = re.findall(r"^```(sh|python)\n(.+?)^```", answer, re.DOTALL | re.MULTILINE)
+    assert blocks
+    for kind, block in blocks:
+        if kind == "python":
+            with contextlib.chdir(tmp_path):
+                exec(compile(block, "faq.md", "exec"), {"__name__": "faq"})
+            continue
+        for line in block.splitlines():
+            done = called(*shlex.split(line, comments=True)[1:], cwd=tmp_path)
+            assert done.returncode == 0, f"{line}\n{done.stdout[-2000:]}{done.stderr}"
