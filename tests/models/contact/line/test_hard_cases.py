@@ -1,7 +1,7 @@
 """The solved film where it is hard: inputs that make no sense, opening and closing, rest, jumps, any step."""
 
 import math
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pytest
@@ -238,31 +238,23 @@ def test_jumps_are_survived_or_refused_without_a_trace(form):
     assert refused <= (0 if form else 3)
 
 
+INPUTS = "approach", "applied_load", "entraining_velocity", "radius_of_curvature", "sliding_velocity"
+
+
 def walked(steps: list[tuple[float, ...]], form: float, nodes: int, **parameters: float) -> None:
     """A walk whose inputs go linearly from one value to the next: every step is whole, and made at once or,
     after it has been refused without a trace, in a hundred steps."""
     contact = Contact(nodes=nodes, load_is_given=form, **parameters)
     last: dict[str, float] = {}
-    for exponent, gap, load, velocity, radius, sliding in steps:
-        length = 10.0**exponent
-        here: dict[str, float] = {
-            "approach": gap,
-            "applied_load": load,
-            "entraining_velocity": velocity,
-            "radius_of_curvature": radius,
-            "sliding_velocity": sliding,
-        }
+    for exponent, *values in steps:
+        length, here = 10.0**exponent, dict(zip(INPUTS, values, strict=True))
         last = last or here
         if form == 0.0:
             # Bodies approach with 0.3 m/s at most.
             way = here["approach"] - last["approach"]
             here["approach"] = last["approach"] + min(max(way, -0.3 * length), 0.3 * length)
-        begun, from_, to = contact.t, last, here
-
-        def line(name: str, begun=begun, length=length, from_=from_, to=to) -> Any:  # type: ignore[no-untyped-def]
-            return lambda t: from_[name] + (to[name] - from_[name]) * (t - begun) / length
-
-        inputs, before = {name: line(name) for name in here}, contact.x.copy()
+        ends, before = [contact.t, contact.t + length], contact.x.copy()
+        inputs = {name: partial(np.interp, xp=ends, fp=[last[name], here[name]]) for name in INPUTS}
         if contact.step(length, **inputs) != OK:
             assert np.array_equal(contact.x, before)
             for _ in range(100):
