@@ -12,7 +12,7 @@ from models.contact.asperities import Asperities, pressure_scale
 from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.fluid import Lubricant
 from models.contact.friction import profile_friction
-from models.contact.line.heat import build_bodies, build_columns, capacity, resistance, warm
+from models.contact.line.heat import build_bodies, build_columns, resistance, warm
 from models.contact.line.heat_state import build_heat
 from models.contact.line.heated import solve_film, warm_asperities
 from models.contact.line.newton import FilmProblem
@@ -140,39 +140,31 @@ class Heated(Film):
     def balance(self, interval):
         """Of the step's last stage: heat that arises in the film, and what becomes of it (W/m): conducted
         into the bodies, carried out, stored, and left where oil came from nowhere."""
-        w, n, tau = self.w, self.p.size, GAMMA * interval
-        heat, X, C = w.heat, w.X, LAWS.capacity
-        made = conducted = stored = left = out = 0.0
-        edge = {1: 0.0, n - 2: 0.0}
-        for i in range(1, n - 1):
-            width = self.scale * cell(X, i)
-            mass = w.nodes.mass[i] * width
-            over = (mass - w.base[i]) / tau + w.nodes.through[i] - w.nodes.through[i - 1]
-            gradient = 0.0
-            if self.p[i] > 0.0:
-                gradient = (self.p[i + 1] - self.p[i - 1]) / (self.scale * (X[i + 1] - X[i - 1]))
-            passing = 0.5 * (w.nodes.through[i] + w.nodes.through[i - 1]) / w.nodes.mass[i]
-            for k in range(LAYERS):
-                r = SOLID_LAYERS + k
-                rise = heat.rise[i, r]
-                rate = (self.p[i] - heat.pressure_base[i]) / tau + (passing + heat.speed[i, k]) * gradient
-                hot = LAWS.thermal.temperature + rise
-                made += heat.heating[i, k] + LAWS.expansion * hot * rate * self.h[i] * width / LAYERS
-                stored += (capacity(r, LAYERS, mass, width, LAWS) * rise - heat.base[i, r]) / tau
-                left -= C / LAYERS * over * rise
-            for solid, film in ((-1, 0), (LAYERS, LAYERS - 1)):
-                at, beside = SOLID_LAYERS + film, SOLID_LAYERS + solid
-                resisting = sum(resistance(r, LAYERS, self.h[i], LAWS) for r in (at, beside))
-                conducted += width * (heat.rise[i, at] - heat.rise[i, beside]) / resisting
-        for i, face, sign in ((1, 0, -1.0), (n - 2, n - 2, 1.0)):
-            j = 1 if sign > 0 else -1
-            mean = 0.5 * (w.nodes.mass[face] + w.nodes.mass[face + 1])
+        w, n, tau, inner = self.w, self.p.size, GAMMA * interval, slice(1, -1)
+        heat, X, C, nodes, p = w.heat, w.X, LAWS.capacity, w.nodes, self.p
+        film = slice(SOLID_LAYERS, -SOLID_LAYERS)
+        width = self.scale * np.array([cell(X, i) for i in range(1, n - 1)])
+        mass, rise, h = nodes.mass[inner], heat.rise[inner, film], self.h[inner]
+        over = (mass * width - w.base[inner]) / tau + nodes.through[inner] - nodes.through[: n - 2]
+        gradient = np.where(p[inner] > 0.0, (p[2:] - p[:-2]) / (self.scale * (X[2:] - X[:-2])), 0.0)
+        passing = 0.5 * (nodes.through[inner] + nodes.through[: n - 2]) / mass
+        rate = ((p - heat.pressure_base)[inner] / tau + (passing + heat.speed[inner].T) * gradient).T
+        expanding = LAWS.expansion * (LAWS.thermal.temperature + rise) * rate
+        made = np.sum(heat.heating[inner]) + np.sum(expanding.T * h * width) / LAYERS
+        stored = np.sum((C / LAYERS * mass * width * rise.T).T - heat.base[inner, film]) / tau
+        conducted = out = 0.0
+        for i, (thickness, wide) in enumerate(zip(h, width, strict=True), 1):
+            for row, step in ((SOLID_LAYERS, -1), (SOLID_LAYERS + LAYERS - 1, 1)):
+                resisting = sum(resistance(r, LAYERS, thickness, LAWS) for r in (row, row + step))
+                conducted += wide * (heat.rise[i, row] - heat.rise[i, row + step]) / resisting
+        left = -C / LAYERS * np.sum(over * rise.T)
+        for i, face, j in ((1, 0, -1), (n - 2, n - 2, 1)):
+            mean = 0.5 * (nodes.mass[face] + nodes.mass[face + 1])
             speed = 0.5 * (heat.speed[face] + heat.speed[face + 1])
-            flow = sign * C / LAYERS * (w.nodes.through[face] + mean * speed)
+            flow = j * C / LAYERS * (nodes.through[face] + mean * speed)
             reach = (0.5 * (X[i] + X[i + j]) - X[i]) / (X[i] - X[i - j])
-            values = heat.rise[:, SOLID_LAYERS:-SOLID_LAYERS]
-            edge[i] = np.sum(np.maximum(flow, 0.0) * ((1.0 + reach) * values[i] - reach * values[i - j]))
-            out += edge[i]
+            values = (1.0 + reach) * heat.rise[i, film] - reach * heat.rise[i - j, film]
+            out += np.sum(np.maximum(flow, 0.0) * values)
         return made, conducted, out, stored, left
 
 
