@@ -101,12 +101,8 @@ class Memory:
             if v.variability == "continuous" and not v.quantity.internal
         ]
         fields = self.component.state.fields
-        rates = [
-            _rate(
-                f"der({v.name})", fields[v.reference - self.x], self.size + v.reference - self.x, v.reference
-            )
-            for v in states
-        ]
+        places = [v.reference - self.x for v in states]
+        rates = [_rate(fields[i], self.size + i, self.x + i, f"state.{fields[i].name}") for i in places]
         return (*states, *rates)
 
     def time(self) -> Variable:
@@ -132,10 +128,9 @@ class Memory:
         ]
         for i, started in enumerate(self.started, self.starts):
             f = component.state.fields[started]
-            name = f.add_suffix("_start")
-            found.append(
-                _variable(name, i, "parameter", f, "fixed", f"start of {f.name}: ", state_start=True)
-            )
+            variable = _variable(f.add_suffix("_start"), i, "parameter", f, "fixed")
+            text = f"start of {f.name}: {variable.description}"
+            found.append(replace(variable, description=text, state_start=True))
         for order in range(COEFFICIENTS):
             for i, f in enumerate(component.inputs.fields, self.inputs + order * component.inputs.size):
                 found.append(_variable(f.name, i, "input", f) if order == 0 else _derivative(f, i, order))
@@ -145,7 +140,7 @@ class Memory:
             found.append(Variable(name, i, "Real", "local", "continuous", None, unit, text))
         for i, rated in enumerate(self.rated, self.rates):
             field = component.outputs.fields[rated]
-            found.append(_rate(f"der({field.name})", field, i, self.outputs + rated, "output"))
+            found.append(_rate(field, i, self.outputs + rated, field.name, "output"))
         names = [v.name for v in found]
         if twice := sorted({name for name in names if names.count(name) > 1}):
             raise ValueError(f"{component.name}: more than one variable is called {', '.join(twice)}")
@@ -157,34 +152,19 @@ def name_as_start_value(message: str) -> str:
     return re.sub(r"^\w+", r"\g<0>_start", message)
 
 
-def _variable(
-    name: str,
-    reference: int,
-    causality: str,
-    field: Any,
-    variability: str = "",
-    prefix: str = "",
-    state_start: bool = False,
-) -> Variable:
+def _variable(name: str, reference: int, causality: str, field: Any, variability: str = "") -> Variable:
     quantity = field.quantity
-    kind = "Real"
-    if quantity.choices:
-        kind = "Enumeration"
-    elif quantity.boolean:
-        kind = "Boolean"
-    elif quantity.count:
-        kind = "Integer"
+    kinds = {"Enumeration": quantity.choices, "Boolean": quantity.boolean, "Integer": quantity.count}
     return Variable(
         name,
         reference,
-        kind,
+        next((kind for kind, given in kinds.items() if given), "Real"),
         causality,
         variability or ("discrete" if quantity.discrete else "continuous"),
         None if causality in ("output", "local") else field.start,
         quantity.unit,
-        prefix + quantity.description,
+        quantity.description,
         quantity,
-        state_start=state_start,
         size=quantity.size,
     )
 
@@ -192,31 +172,13 @@ def _variable(
 def _derivative(field: Any, reference: int, order: int) -> Variable:
     """The optional input for the derivative of an input; held when it stays zero."""
     text = f"optional: derivative {order} of {field.name} by time, for inputs that vary inside a step"
-    return Variable(
-        field.add_suffix(f"_der{order}"),
-        reference,
-        "Real",
-        "input",
-        "discrete" if field.quantity.discrete else "continuous",
-        0.0,
-        field.quantity.unit,
-        text,
-        derivative_order=order,
-        size=field.quantity.size,
-    )
+    plain = _variable(field.add_suffix(f"_der{order}"), reference, "input", field)
+    return replace(plain, kind="Real", start=0.0, description=text, quantity=None, derivative_order=order)
 
 
-def _rate(name: str, field: Any, reference: int, rate_of: int, causality: str = "local") -> Variable:
-    return Variable(
-        name,
-        reference,
-        "Real",
-        causality,
-        "continuous",
-        None,
-        field.quantity.unit,
-        f"derivative of {field.name} by time",
-        derivative_order=1,
-        rate_of=rate_of,
-        size=field.quantity.size,
+def _rate(field: Any, reference: int, rate_of: int, name: str, causality: str = "local") -> Variable:
+    plain = _variable(f"der({name})", reference, causality, field, "continuous")
+    text = f"derivative of {field.name} by time"
+    return replace(
+        plain, kind="Real", start=None, description=text, quantity=None, derivative_order=1, rate_of=rate_of
     )
