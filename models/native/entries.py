@@ -10,7 +10,6 @@ from typing import Any
 import numba
 
 from ..compile.kernel import record_of
-from ..core.quantities import Layout
 from ..core.requirements import PLACES
 
 # The names of entries for requirements, each followed by its number.
@@ -38,63 +37,52 @@ def smooth(component: Any) -> list[str]:
 
 def entries(component: Any) -> Iterator[Entry]:
     """Those of a component; guards and transition only where it has events."""
-    n, m = component.state.size, component.inputs.size
-    parameters, outputs = component.parameters.size, component.outputs.size
-    coefficients = component.input_polynomial().shape
-    work_size, rates_work_size = component.work_size, component.rates_work_size
-    step, find_output, derivative = component.step, component.flat_output, component.flat_derivative
-    find_energy, find_rates, find_slopes = component.flat_energy, component.flat_rates, component.input_rates
+    layouts = component.state, component.inputs, component.parameters, component.outputs
+    X, M, P, Y = ((layout.size,) for layout in layouts)
+    polynomial, room = component.input_polynomial().shape, (component.work_size,)
+    rates_room, events = (component.rates_work_size,), component.events
+    step, find_rates, find_slopes = component.step, component.flat_rates, component.input_rates
 
     def entry_step(t: float, h: float, x: Any, U: Any, p: Any, scale: Any, work: Any, u: Any, y: Any) -> int:
+        coefficients, result = carray(U, polynomial), carray(y, Y)
+        memory = carray(work, room)
         return step(
-            t,
-            h,
-            carray(x, (n,)),
-            carray(U, coefficients),
-            carray(p, (parameters,)),
-            carray(scale, (n,)),
-            carray(work, (work_size,)),
-            carray(u, (m,)),
-            carray(y, (outputs,)),
+            t, h, carray(x, X), coefficients, carray(p, P), carray(scale, X), memory, carray(u, M), result
         )
 
-    def entry_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
-        find_output(t, carray(x, (n,)), carray(u, (m,)), carray(p, (parameters,)), carray(y, (outputs,)))
+    def at_a_point(name: str, function: Any, shape: tuple[int, ...]) -> Entry:
+        def entry(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+            function(t, carray(x, X), carray(u, M), carray(p, P), carray(out, shape))
 
-    def entry_derivative(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
-        derivative(t, carray(x, (n,)), carray(u, (m,)), carray(p, (parameters,)), carray(dx, (n,)))
-
-    def entry_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-        find_energy(t, carray(x, (n,)), carray(u, (m,)), carray(p, (parameters,)), carray(e, (3,)))
+        return Entry(name, entry, numba.void(real, *[vector] * 4), smooth=True)
 
     def entry_slopes(U: Any, s: float, du: Any) -> None:
-        find_slopes(carray(U, coefficients), s, carray(du, (m,)))
+        find_slopes(carray(U, polynomial), s, carray(du, M))
 
     def entry_rates(t: float, x: Any, u: Any, du: Any, p: Any, work: Any, yd: Any) -> None:
-        find_rates(
-            t,
-            carray(x, (n,)),
-            carray(u, (m,)),
-            carray(du, (m,)),
-            carray(p, (parameters,)),
-            carray(work, (rates_work_size,)),
-            carray(yd, (outputs,)),
-        )
+        memory, slopes = carray(work, rates_room), carray(du, M)
+        find_rates(t, carray(x, X), carray(u, M), slopes, carray(p, P), memory, carray(yd, Y))
 
-    at_a_point = numba.void(real, vector, vector, vector, vector)
     yield Entry("step", entry_step, index(real, real, *[vector] * 7))
-    yield Entry("output", entry_output, at_a_point, smooth=True)
-    yield Entry("derivative", entry_derivative, at_a_point, smooth=True)
-    yield Entry("energy", entry_energy, at_a_point, smooth=True)
+    yield at_a_point("output", component.flat_output, Y)
+    yield at_a_point("derivative", component.flat_derivative, X)
+    yield at_a_point("energy", component.flat_energy, (3,))
     yield Entry("slopes", entry_slopes, numba.void(vector, real, vector))
     yield Entry("rates", entry_rates, numba.void(real, *[vector] * 6), smooth=True)
-    yield from _entries_of_requirements(component, component.kernel_state, m, parameters)
-    if component.events is not None:
-        yield from _entries_of_events(component, n, m, parameters)
+    yield from _entries_of_requirements(component)
+    if events is not None:
+        transition = component.flat_transition
+
+        def entry_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+            transition(k, t, carray(x, X), carray(u, M), carray(p, P))
+
+        yield at_a_point("guards", component.flat_guards, (events.count,))
+        yield Entry("transition", entry_transition, numba.void(index, real, *[vector] * 3))
 
 
-def _entries_of_requirements(component: Any, state: Layout, m: int, parameters: int) -> Iterator[Entry]:
-    n, X, U, P = state.size, state.dtype, component.inputs.dtype, component.parameters.dtype
+def _entries_of_requirements(component: Any) -> Iterator[Entry]:
+    layouts = component.kernel_state, component.inputs, component.parameters
+    (n, X), (m, U), (parameters, P) = ((layout.size, layout.dtype) for layout in layouts)
 
     def of_parameters(met: Any) -> Callable[..., Any]:
         def entry_requirement(x: Any, u: Any, p: Any, numbers: Any) -> int:
@@ -104,13 +92,9 @@ def _entries_of_requirements(component: Any, state: Layout, m: int, parameters: 
 
     def requirement_of_start(met: Any) -> Callable[..., Any]:
         def entry_start_requirement(x: Any, u: Any, p: Any, numbers: Any) -> int:
-            fits = met(
-                record_of(carray(x, (n,)), X),
-                record_of(carray(u, (m,)), U),
-                record_of(carray(p, (parameters,)), P),
-                carray(numbers, (PLACES,)),
-            )
-            return 1 if fits else 0
+            state, inputs = record_of(carray(x, (n,)), X), record_of(carray(u, (m,)), U)
+            given = record_of(carray(p, (parameters,)), P)
+            return 1 if met(state, inputs, given, carray(numbers, (PLACES,))) else 0
 
         return entry_start_requirement
 
@@ -119,16 +103,3 @@ def _entries_of_requirements(component: Any, state: Layout, m: int, parameters: 
         yield Entry(f"{REQUIREMENT}_{i}", of_parameters(rule.met), signature)
     for i, rule in enumerate(component.start_requirements):
         yield Entry(f"{START_REQUIREMENT}_{i}", requirement_of_start(rule.met), signature)
-
-
-def _entries_of_events(component: Any, n: int, m: int, parameters: int) -> Iterator[Entry]:
-    find_guards, transition, count = component.flat_guards, component.flat_transition, component.events.count
-
-    def entry_guards(t: float, x: Any, u: Any, p: Any, g: Any) -> None:
-        find_guards(t, carray(x, (n,)), carray(u, (m,)), carray(p, (parameters,)), carray(g, (count,)))
-
-    def entry_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-        transition(k, t, carray(x, (n,)), carray(u, (m,)), carray(p, (parameters,)))
-
-    yield Entry("guards", entry_guards, numba.void(real, *[vector] * 4), smooth=True)
-    yield Entry("transition", entry_transition, numba.void(index, real, *[vector] * 3))
