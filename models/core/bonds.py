@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..compile.kernel import kernel
-from .component import DISSIPATED_POWER, IMPACT_LOSS, SOURCE_POWER, STORED, Component, PowerBond
+from .component import DISSIPATED_POWER, IMPACT_LOSS, SOURCE_POWER, STORED, Component, Flat, PowerBond
 from .integrator import OK, copy, taylor
 from .quantities import Layout, Quantity
 
@@ -86,22 +86,16 @@ class CountingComponent(Component):
         return self.plain.kernel_state
 
     @cached_property
-    def flat_derivative(self) -> Any:
-        """That of the motion; the energies change with steps, as counters do."""
-        derivative, n = self.plain.flat_derivative, self.plain.state.size
+    def flat(self) -> Flat:
+        """Those of the component. The derivative is that of the motion: the energies change with steps, as
+        counters do. The output has the energies after the component's own outputs."""
+        plain, n, m = self.plain.flat, self.plain.state.size, self.plain.outputs.size
+        derivative, output, energy = plain.derivative, plain.output, plain.energy
 
         @kernel
         def counting_derivative(t: float, x: Any, u: Any, p: Any, dx: Any) -> None:
             derivative(t, x[:n], u, p, dx[:n])
             dx[n:] = 0.0
-
-        return counting_derivative
-
-    @cached_property
-    def flat_output(self) -> Any:
-        """With the energies after the component's own outputs."""
-        output, energy = self.plain.flat_output, self.plain.flat_energy
-        n, m = self.plain.state.size, self.plain.outputs.size
 
         @kernel
         def counting_output(t: float, x: Any, u: Any, p: Any, y: Any) -> None:
@@ -109,7 +103,23 @@ class CountingComponent(Component):
             energy(t, x[:n], u, p, y[m : m + _ENERGIES])
             copy(y[m + 1 :], x[n:])
 
-        return counting_output
+        def on_first(function: Any) -> Any:
+            @kernel
+            def evaluate(t: float, x: Any, u: Any, p: Any, result: Any) -> None:
+                function(t, x[:n], u, p, result)
+
+            return evaluate
+
+        kernels = Flat(counting_derivative, counting_output, on_first(energy))
+        if self.events is None:
+            return kernels
+        transition = plain.transition
+
+        @kernel
+        def counting_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+            transition(k, t, x[:n], u, p)
+
+        return replace(kernels, guards=on_first(plain.guards), transition=counting_transition)
 
     @cached_property
     def flat_rates(self) -> Any:
@@ -131,29 +141,6 @@ class CountingComponent(Component):
             yd[m] = np.sum(power[1:]) - power[0]
 
         return counting_rates
-
-    @cached_property
-    def flat_energy(self) -> Any:
-        """As that of the component."""
-        return _on_first(self.plain.flat_energy, self.plain.state.size)
-
-    @cached_property
-    def flat_guards(self) -> Any:
-        """As that of the component."""
-        return _on_first(self.plain.flat_guards, self.plain.state.size) if self.events else None
-
-    @cached_property
-    def flat_transition(self) -> Any:
-        """As that of the component."""
-        if self.events is None:
-            return None
-        transition, n = self.plain.flat_transition, self.plain.state.size
-
-        @kernel
-        def counting_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-            transition(k, t, x[:n], u, p)
-
-        return counting_transition
 
     @cached_property
     def advance(self) -> Any:
@@ -219,16 +206,6 @@ class CountingComponent(Component):
         plain = self.plain
         own = 2 * (_INNER + len(plain.bonds)) + plain.inputs.size + _ENERGIES + plain.outputs.size
         return plain.work_size + own
-
-
-def _on_first(function: Any, n: int) -> Any:
-    """A flat kernel (t, x, u, p, result) on the first n states."""
-
-    @kernel
-    def evaluate(t: float, x: Any, u: Any, p: Any, result: Any) -> None:
-        function(t, x[:n], u, p, result)
-
-    return evaluate
 
 
 def make_powers(component: Component) -> Any:

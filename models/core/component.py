@@ -7,7 +7,7 @@ flat kernels made here.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -71,6 +71,18 @@ class Events:
     count: int
     guards: Any
     transition: Any
+
+
+@dataclass(frozen=True)
+class Flat:
+    """The kernels of a component on float vectors in the place of records; guards and transition are None
+    without events."""
+
+    derivative: Any  # (t, x, u, p, dx)
+    output: Any  # (t, x, u, p, y)
+    energy: Any  # (t, x, u, p, e); e has three elements
+    guards: Any = None  # (t, x, u, p, g)
+    transition: Any = None  # (k, t, x, u, p), which changes x
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,14 +164,44 @@ class Component:
         return any(isinstance(role, kinds) for role in self.roles)
 
     @cached_property
-    def flat_derivative(self) -> Any:
-        """(t, x, u, p, dx) on float vectors."""
-        return _flatten(self.derivative, self.state, self.inputs, self.parameters, self.state)
+    def flat(self) -> Flat:
+        """Its kernels on float vectors."""
+        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
 
-    @cached_property
-    def flat_output(self) -> Any:
-        """(t, x, u, p, y) on float vectors."""
-        return _flatten(self.output, self.state, self.inputs, self.parameters, self.outputs)
+        def write_record(function: Any, R: Any) -> Any:
+            @kernel
+            def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+                function(t, record_of(x, X), record_of(u, U), record_of(p, P), record_of(out, R))
+
+            return flat
+
+        def write_vector(function: Any) -> Any:
+            @kernel
+            def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+                function(t, record_of(x, X), record_of(u, U), record_of(p, P), out)
+
+            return flat
+
+        kernels = Flat(
+            write_record(self.derivative, X),
+            write_record(self.output, self.outputs.dtype),
+            write_vector(self.energy),
+        )
+        if self.events is None:
+            return kernels
+        change = self.events.transition
+
+        @kernel
+        def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
+            change(k, t, record_of(x, X), record_of(u, U), record_of(p, P))
+
+        return replace(kernels, guards=write_vector(self.events.guards), transition=flat_transition)
+
+    flat_derivative = property(lambda self: self.flat.derivative)
+    flat_output = property(lambda self: self.flat.output)
+    flat_energy = property(lambda self: self.flat.energy)
+    flat_guards = property(lambda self: self.flat.guards)
+    flat_transition = property(lambda self: self.flat.transition)
 
     @cached_property
     def flat_rates(self) -> Any:
@@ -173,46 +215,6 @@ class Component:
     def input_rates(self) -> Any:
         """(U, s, du): slopes of the inputs' polynomials at s after the start."""
         return input_rates
-
-    @cached_property
-    def flat_energy(self) -> Any:
-        """(t, x, u, p, e) on float vectors; e has three elements."""
-        function = self.energy
-        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
-
-        @kernel
-        def flat_energy(t: float, x: Any, u: Any, p: Any, e: Any) -> None:
-            function(t, record_of(x, X), record_of(u, U), record_of(p, P), e)
-
-        return flat_energy
-
-    @cached_property
-    def flat_guards(self) -> Any:
-        """(t, x, u, p, g) on float vectors; None without events."""
-        if self.events is None:
-            return None
-        function = self.events.guards
-        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
-
-        @kernel
-        def flat_guards(t: float, x: Any, u: Any, p: Any, g: Any) -> None:
-            function(t, record_of(x, X), record_of(u, U), record_of(p, P), g)
-
-        return flat_guards
-
-    @cached_property
-    def flat_transition(self) -> Any:
-        """(k, t, x, u, p) on float vectors; changes x. None without events."""
-        if self.events is None:
-            return None
-        function = self.events.transition
-        X, U, P = self.state.dtype, self.inputs.dtype, self.parameters.dtype
-
-        @kernel
-        def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
-            function(k, t, record_of(x, X), record_of(u, U), record_of(p, P))
-
-        return flat_transition
 
     @property
     def motion(self) -> HybridMotion:
@@ -308,13 +310,3 @@ class Component:
 
 def _unmet(requirements: Sequence[Requirement], *records: Any) -> list[str]:
     return [fault for requirement in requirements if (fault := requirement.fault(*records))]
-
-
-def _flatten(function: Any, state: Layout, inputs: Layout, parameters: Layout, result: Layout) -> Any:
-    X, U, P, R = state.dtype, inputs.dtype, parameters.dtype, result.dtype
-
-    @kernel
-    def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
-        function(t, record_of(x, X), record_of(u, U), record_of(p, P), record_of(out, R))
-
-    return flat

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ..compile.kernel import kernel, scratch
-from .component import Component, Events, PowerBond
+from .component import Component, Events, Flat, PowerBond
 from .composition import Composition, Tables
 from .errors import ModelError
 from .quantities import Field, FieldLayout, Layout
@@ -66,7 +66,7 @@ def compose(
         raise ModelError(f"algebraic loops through {inside.loops()}: one FMU can close one; leave a part out")
     opening = _Opening(inside, {target: source for source, target in connections})
     parts = {part: with_values(instance) for part, instance in instances.items()}
-    kernels = _Kernels(inside, opening)
+    guards = sum(component.events.count for component in parts.values() if component.events)
     return Composite(
         name=name,
         description=description,
@@ -79,11 +79,11 @@ def compose(
         energy=None,
         feedthrough=_find_feedthrough(inside, opening),
         bonds=_find_bonds(inside, opening),
-        events=Events(kernels.count, None, None) if kernels.count else None,
+        events=Events(guards, None, None) if guards else None,
         requirements=_list_requirements(inside),
         tolerance=min(component.tolerance for component in parts.values()),
         event_indicators=[f"{part}.{n}" for part, c in parts.items() for n in c.event_indicators],
-        kernels=kernels,
+        kernels=_make_kernels(inside, opening),
     )
 
 
@@ -106,27 +106,11 @@ def _join(layouts: Mapping[str, Layout]) -> Layout:
 class Composite(Component):
     """The component of `compose`."""
 
-    kernels: _Kernels = None  # type: ignore[assignment]
+    kernels: Flat = None  # type: ignore[assignment]
 
     @cached_property
-    def flat_derivative(self) -> Any:
-        return self.kernels.derivative
-
-    @cached_property
-    def flat_output(self) -> Any:
-        return self.kernels.output
-
-    @cached_property
-    def flat_energy(self) -> Any:
-        return self.kernels.energy
-
-    @cached_property
-    def flat_guards(self) -> Any:
-        return self.kernels.guards
-
-    @cached_property
-    def flat_transition(self) -> Any:
-        return self.kernels.transition
+    def flat(self) -> Flat:
+        return self.kernels
 
 
 class _Opening:
@@ -210,60 +194,47 @@ def _make_rule(met: Any, part: str) -> Any:
     return rule
 
 
-class _Kernels:
+def _make_kernels(s: System, opening: _Opening) -> Flat:
     """The kernels of a system on flat vectors, with the open inputs in the place of all inputs."""
-
-    def __init__(self, s: System, opening: _Opening) -> None:
-        names = alike(s.instances)
-        components = [s.instances[name].component for name in names]
-        slots = s.state, s.inputs, s.parameters
-        outputs = Composition(
-            [s.instances[name].component.flat_output for name in s.order],
-            [bounds(name, *slots, s.outputs) for name in s.order],
-            *s.wires,
-        )
-        evaluate = _make_evaluate(outputs, opening, s)
-        every = [bounds(name, *slots) for name in names]
-        derivatives = Composition(
-            [component.flat_derivative for component in components],
-            [bounds(name, *slots, s.state) for name in names],
-        )
-        energies = Composition(
-            [component.flat_energy for component in components],
-            [(*own, 3 * i, 3 * i + 3) for i, own in enumerate(every)],
-        )
-        room = np.dtype((np.record, [("u", "f8", (s.inputs.size,)), ("y", "f8", (s.outputs.size,))]))
-        inputs, parts = s.inputs.size, len(names)
-        self.output = _make_output(evaluate, room, inputs)
-        self.derivative = _make_each(evaluate, room, inputs, derivatives)
-        self.energy = _make_energy(_make_each(evaluate, room, inputs, energies), parts)
-        hybrid = [(name, c) for name, c in zip(names, components, strict=True) if c.events is not None]
-        counts = [c.events.count for _, c in hybrid if c.events is not None]
-        ends = np.cumsum([0, *counts])
-        self.count = int(ends[-1])
-        guards = Composition(
-            [c.flat_guards for _, c in hybrid],
-            [
-                (*bounds(name, *slots), int(start), int(end))
-                for (name, _), start, end in zip(hybrid, ends[:-1], ends[1:], strict=True)
-            ],
-        )
-        self.guards = _make_each(evaluate, room, inputs, guards)
-        change = _no_transition
-        for (name, c), start in zip(hybrid, ends[:-1], strict=True):
-            change = _make_change(c.flat_transition, bounds(name, *slots), int(start), change)
-        self.transition = _make_transition(evaluate, room, inputs, change)
+    names = alike(s.instances)
+    components = [s.instances[name].component for name in names]
+    slots = s.state, s.inputs, s.parameters
+    outputs = Composition(
+        [s.instances[name].component.flat_output for name in s.order],
+        [bounds(name, *slots, s.outputs) for name in s.order],
+        *s.wires,
+    )
+    evaluate = _make_evaluate(outputs, opening, s)
+    derivatives = Composition(
+        [component.flat_derivative for component in components],
+        [bounds(name, *slots, s.state) for name in names],
+    )
+    energies = Composition(
+        [component.flat_energy for component in components],
+        [(*bounds(name, *slots), 3 * i, 3 * i + 3) for i, name in enumerate(names)],
+    )
+    room = np.dtype((np.record, [("u", "f8", (s.inputs.size,)), ("y", "f8", (s.outputs.size,))]))
+    inputs = s.inputs.size
+    guards, places, change, end = [], [], _no_transition, 0
+    for name, component in zip(names, components, strict=True):
+        if component.events is not None:
+            own, start, end = bounds(name, *slots), end, end + component.events.count
+            guards.append(component.flat_guards)
+            places.append((*own, start, end))
+            change = _make_change(component.flat_transition, own, start, change)
+    return Flat(
+        _make_each(evaluate, room, inputs, derivatives),
+        _make_output(evaluate, room, inputs),
+        _make_energy(_make_each(evaluate, room, inputs, energies), len(names)),
+        _make_each(evaluate, room, inputs, Composition(guards, places)),
+        _make_transition(evaluate, room, inputs, change),
+    )
 
 
 def _make_evaluate(outputs: Composition, opening: _Opening, s: System) -> Any:
     """evaluate(t, x, c, p, u, y): all inputs u and outputs y from the open inputs c."""
-    run, source, target, bound, ends = (
-        outputs.run,
-        outputs.source,
-        outputs.target,
-        outputs.bounds,
-        outputs.ends,
-    )
+    run, source, target = outputs.run, outputs.source, outputs.target
+    bound, ends = outputs.bounds, outputs.ends
     free_source, free_target = opening.source, opening.target
     torn = int(s.torn_index[0]) if s.torn else 0
     cut = s.cuts[1]

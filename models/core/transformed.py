@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..compile.kernel import kernel, scratch
-from .component import Component
+from .component import Component, Flat
 from .quantities import Field, Quantity, Vector
 from .system import Instance
 
@@ -75,24 +75,23 @@ class Transformed(Component):
     offsets: Vector = None  # type: ignore[assignment]
 
     @cached_property
-    def flat_derivative(self) -> Any:
-        return self._wrap(self.own.flat_derivative)
+    def flat(self) -> Flat:
+        give, own = self._give, self.own.flat
+        room = np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
 
-    @cached_property
-    def flat_output(self) -> Any:
-        return self._wrap(self.own.flat_output)
+        def wrap(function: Any) -> Any:
+            @kernel
+            def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
+                given = scratch(room)
+                give(u, given)
+                function(t, x, given, p, out)
 
-    @cached_property
-    def flat_energy(self) -> Any:
-        return self._wrap(self.own.flat_energy)
+            return flat
 
-    @cached_property
-    def flat_guards(self) -> Any:
-        return self.events and self._wrap(self.own.flat_guards)
-
-    @cached_property
-    def flat_transition(self) -> Any:
-        give, room, change = self._give, self._room, self.own.flat_transition
+        kernels = Flat(wrap(own.derivative), wrap(own.output), wrap(own.energy))
+        if self.events is None:
+            return kernels
+        change = own.transition
 
         @kernel
         def flat_transition(k: int, t: float, x: Any, u: Any, p: Any) -> None:
@@ -100,22 +99,7 @@ class Transformed(Component):
             give(u, given)
             change(k, t, x, given, p)
 
-        return self.events and flat_transition
-
-    def _wrap(self, function: Any) -> Any:
-        give, room = self._give, self._room
-
-        @kernel
-        def flat(t: float, x: Any, u: Any, p: Any, out: Any) -> None:
-            given = scratch(room)
-            give(u, given)
-            function(t, x, given, p, out)
-
-        return flat
-
-    @property
-    def _room(self) -> Any:
-        return np.dtype((np.record, [("u", "f8", (self.inputs.size,))]))
+        return replace(kernels, guards=wrap(own.guards), transition=flat_transition)
 
     @cached_property
     def _give(self) -> Any:
