@@ -118,7 +118,9 @@ def provide(
         if destination is None:
             raise
         content = pack()
-    return write_fmu(pack_files(unpack_files(content) | dict(add())), label, Path(destination))
+    with zipfile.ZipFile(io.BytesIO(content)) as archive:
+        files = {path: archive.read(path) for path in archive.namelist()}
+    return write_fmu(pack_files(files | dict(add())), label, Path(destination))
 
 
 def write_fmu(content: bytes, name: str, destination: Path) -> Path:
@@ -151,12 +153,6 @@ def pack_files(files: Mapping[str, bytes]) -> bytes:
             entry.external_attr = 0o100644 << 16
             archive.writestr(entry, files[path], compresslevel=9)
     return buffer.getvalue()
-
-
-def unpack_files(content: bytes) -> dict[str, bytes]:
-    """The files in an FMU's bytes."""
-    with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        return {path: archive.read(path) for path in archive.namelist()}
 
 
 def collect_files(name: str, structure: Mapping[str, int] | None = None) -> dict[str, bytes]:

@@ -18,6 +18,8 @@ from .declared import explain_no_native
 from .fmi.description import Experiment
 from .sources import COMPANION, name_companion
 
+_IMPORTS = ["from models.core.system import Instance"]
+
 # Names that the file made here, or the script of an FMU in Python, needs for something else.
 _TAKEN = {
     *keyword.kwlist,
@@ -89,9 +91,6 @@ def to_identifier(name: str) -> str:
     return f"_{text}" if taken or not text[:1].isidentifier() else text
 
 
-_IMPORTS = ["from models.core.system import Instance"]
-
-
 def _import(parts: Iterable[Part], folder: Path) -> list[str]:
     """A line for each component; a user's own is beside the file, for processes that only know the folder."""
     names = sorted({part.catalogue_name for part in parts})
@@ -114,16 +113,13 @@ def _name_factory(name: str) -> str:
 def _show(part: Part) -> str:
     instance = part.instance
     sizes = ", ".join(f"{key}={value}" for key, value in sorted(instance.component.structure.items()))
-    values = (instance.parameters, instance.start, instance.inputs)
-    shown = f"Instance({_name_factory(part.catalogue_name)}({sizes}), {', '.join(map(_show_values, values))})"
+    given = (instance.parameters, instance.start, instance.inputs)
+    values = ", ".join(repr({name: float(value) for name, value in one.items()}) for one in given)
+    shown = f"Instance({_name_factory(part.catalogue_name)}({sizes}), {values})"
     if not part.transformed:
         return shown
     inputs = ", ".join(f"{name!r}: {one!r}" for name, one in part.transformed.items())
     return f"transform({shown}, {{{inputs}}})"
-
-
-def _show_values(values: Mapping[str, float]) -> str:
-    return repr({name: float(value) for name, value in values.items()})
 
 
 def _write(folder: Path, name: str, about: str, imports: Sequence[str], expression: str) -> str:

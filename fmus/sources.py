@@ -5,7 +5,7 @@ import functools
 import inspect
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -111,9 +111,7 @@ def _relocate(module: Path, root: Path) -> tuple[str, list[Path], list[str]]:
         elif isinstance(node, ast.ImportFrom) and node.level:
             raise ImportError(f"{module.name}: imports from {'.' * node.level}: put all of it into one file")
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
-            names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
-            for name in names:
-                _refuse_foreign(str(name).partition(".")[0], module.name)
+            _refuse_foreign(node, module.name)
     return "".join(lines), found, companions
 
 
@@ -140,33 +138,27 @@ def find_imports(module: Path, root: Path, packages: bool = True) -> list[Path]:
 @functools.cache
 def _imports(file: Path, root: Path) -> tuple[Path, ...]:
     """The imports of one file. Cached, because components share most files."""
-    return tuple(_parse_imports(file, root))
-
-
-def _parse_imports(file: Path, root: Path) -> Iterator[Path]:
+    found: list[Path] = []
     for node in ast.walk(ast.parse(file.read_bytes(), str(file))):
         if isinstance(node, ast.ImportFrom) and node.level:
             folder = file.parents[node.level - 1]
             base = folder.joinpath(*node.module.split(".")) if node.module else folder
-            yield from _files(base)
-            for imported in node.names:
-                yield from _files(base / imported.name)
+            for place in (base, *(base / imported.name for imported in node.names)):
+                found += _files(place)
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
-            names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
-            for name in names:
-                place = file.relative_to(root.parent).as_posix()
-                _refuse_foreign(str(name).partition(".")[0], place)
+            _refuse_foreign(node, file.relative_to(root.parent).as_posix())
+    return tuple(found)
 
 
-def _files(base: Path) -> Iterator[Path]:
-    for path in (base.with_suffix(".py"), base / "__init__.py"):
-        if path.is_file():
-            yield path
+def _files(base: Path) -> list[Path]:
+    return [path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file()]
 
 
-def _refuse_foreign(package: str, place: str) -> None:
-    if package not in RUN_TIME and package not in sys.stdlib_module_names:
-        allowed = ", ".join(sorted(RUN_TIME))
-        raise ImportError(
-            f"{place} imports {package}: an FMU may import {allowed}, the standard library, and from models"
-        )
+def _refuse_foreign(node: ast.Import | ast.ImportFrom, place: str) -> None:
+    names = [node.module] if isinstance(node, ast.ImportFrom) else [name.name for name in node.names]
+    for package in (str(name).partition(".")[0] for name in names):
+        if package not in RUN_TIME and package not in sys.stdlib_module_names:
+            raise ImportError(
+                f"{place} imports {package}: an FMU may import {', '.join(sorted(RUN_TIME))}, the standard "
+                "library, and from models"
+            )

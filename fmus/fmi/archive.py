@@ -3,6 +3,7 @@
 No model needs them: they stand here because the packaging and the master share only this folder.
 """
 
+import contextlib
 import hashlib
 import stat
 import zipfile
@@ -38,21 +39,13 @@ def open_archive(path: Path) -> zipfile.ZipFile:
     try:
         return zipfile.ZipFile(path)
     except (zipfile.BadZipFile, OSError) as error:
-        if _begins_like_archive(path):
-            raise FmuFileError(
-                f"{path}: is cut off: it begins as a zip archive, but its end is missing, so not an FMU; "
-                "fetch or make it again"
-            ) from None
+        with contextlib.suppress(OSError), path.open("rb") as file:
+            if file.read(4) == b"PK\x03\x04":
+                raise FmuFileError(
+                    f"{path}: is cut off: it begins as a zip archive, but its end is missing, so not an FMU; "
+                    "fetch or make it again"
+                ) from None
         raise FmuFileError(f"{path}: not a zip archive, so not an FMU ({one_line(error)})") from None
-
-
-def _begins_like_archive(path: Path) -> bool:
-    """Whether the file begins as an archive does."""
-    try:
-        with path.open("rb") as file:
-            return file.read(4) == b"PK\x03\x04"
-    except OSError:
-        return False
 
 
 def count_unpacked(archive: zipfile.ZipFile) -> int:

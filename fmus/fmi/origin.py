@@ -30,21 +30,16 @@ def is_built(content: bytes) -> bool:
 
 
 def is_built_here(path: Path) -> bool:
-    """Whether the file has the content of an FMU that was built here."""
-    with contextlib.suppress(OSError):
-        return is_built(path.read_bytes())
-    return False
+    """Whether a file has such content; read once as long as it does not change. OSError if there is none."""
+    status = path.stat()
+    return _is_built_here(path, status.st_mtime_ns, status.st_size)
 
 
 @functools.lru_cache(maxsize=256)
 def _is_built_here(path: Path, changed: int, size: int) -> bool:
-    return is_built_here(path)
-
-
-def is_made_here(path: Path) -> bool:
-    """The same, read once as long as the file does not change. OSError if there is none."""
-    status = path.stat()
-    return _is_built_here(path, status.st_mtime_ns, status.st_size)
+    with contextlib.suppress(OSError):
+        return is_built(path.read_bytes())
+    return False
 
 
 def _name_note(content: bytes) -> str:

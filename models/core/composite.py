@@ -60,7 +60,7 @@ def compose(
                 f"{part}: {instance.component.name} is no system of ordinary differential equations, which "
                 "one FMU of a whole train needs; take a film formula, or leave it out"
             )
-    inner = [line for line in connections if all(_part(end) in instances for end in line)]
+    inner = [line for line in connections if all(end.partition(".")[0] in instances for end in line)]
     inside = System(instances, inner)
     if len(inside.torn) > 1:
         raise ModelError(f"algebraic loops through {inside.loops()}: one FMU can close one; leave a part out")
@@ -85,10 +85,6 @@ def compose(
         event_indicators=[f"{part}.{n}" for part, c in parts.items() for n in c.event_indicators],
         kernels=_make_kernels(inside, opening),
     )
-
-
-def _part(port: str) -> str:
-    return port.partition(".")[0]
 
 
 def _join(layouts: Mapping[str, Layout]) -> Layout:

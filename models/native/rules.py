@@ -86,16 +86,12 @@ def _differentiate_atan2(code: Code, r: str, a: tuple[str, ...], d: tuple[str, .
     return code.over(code.subtract(code.times(x, dy), code.times(y, dx)), square)
 
 
-def _hypotenuse(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
-    return code.over(code.add(code.times(a[0], d[0]), code.times(a[1], d[1])), r)
-
-
-def _with_sign(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
-    return code.where("oeq", r, a[0], d[0], code.negative(d[0]))
-
-
 def _differentiate_fma(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
     return code.add(code.add(code.times(a[0], d[1]), code.times(d[0], a[1])), d[2])
+
+
+def _keep_size(code: Code, r: str, a: tuple[str, ...], d: tuple[str, ...]) -> str:
+    return code.where("oeq", r, a[0], d[0], code.negative(d[0]))
 
 
 def _root_of_one_and(code: Code, sign: str, a: str) -> str:
@@ -114,11 +110,11 @@ RULES: Mapping[str, Rule] = {
     "sqrt": _square_root,
     "pow": _power,
     "atan2": _differentiate_atan2,
-    "hypot": _hypotenuse,
-    "copysign": _with_sign,
+    "hypot": lambda code, r, a, d: code.over(code.add(*map(code.times, a, d)), r),
+    "copysign": _keep_size,
     "fma": _differentiate_fma,
     "fmuladd": _differentiate_fma,
-    "fabs": lambda code, r, a, d: code.where("oeq", r, a[0], d[0], code.negative(d[0])),
+    "fabs": _keep_size,
     "minnum": lambda code, r, a, d: code.where("oeq", r, a[0], *d),
     "maxnum": lambda code, r, a, d: code.where("oeq", r, a[0], *d),
     "floor": lambda code, r, a, d: ZERO,

@@ -16,7 +16,7 @@ from pydantic import (
 )
 from pydantic.functional_validators import ModelWrapValidatorHandler
 
-from fmus.fmi.origin import is_made_here
+from fmus.fmi.origin import is_built_here
 from models.core.component import Component
 
 from ..errors import one_of
@@ -245,7 +245,7 @@ class ComponentTable(Table):
     @property
     def untrusted(self) -> bool:
         """Whether it is an FMU file that this user's tribocosim did not build."""
-        return self.file is not None and not is_made_here(self.file)
+        return self.file is not None and not is_built_here(self.file)
 
     @property
     def strings(self) -> dict[str, str]:
