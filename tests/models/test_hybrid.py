@@ -47,22 +47,6 @@ def test_one_impact_orbit_of_the_harmonic_oscillator() -> None:
     assert x[3] == pytest.approx(start + 3.0 * PERIOD, abs=EXACT)
 
 
-def test_multipliers_of_that_orbit() -> None:
-    """Determinant r^2 and trace, by differences of the map from impact to impact."""
-
-    def section(delta: float, slower: float) -> Vector:
-        """Impact time (mod period) and speed before it, from those of the impact before."""
-        x = BALL.state.vector({"height": 0.0, "velocity": R * (ORBIT.velocity + slower)})
-        assert advance(x, shaken(), ORBIT.phase / OMEGA + delta, 1.5 * PERIOD) == OK
-        return np.array([x[3] - PERIOD, -x[4]])
-
-    d = 1e-6
-    columns = [(section(*e) - section(*-e)) / (2.0 * d) for e in (np.array([d, 0.0]), np.array([0.0, d]))]
-    matrix = np.column_stack(columns)
-    assert np.linalg.det(matrix) == pytest.approx(R**2, abs=1e-7)
-    assert np.trace(matrix) == pytest.approx(ORBIT.trace, abs=1e-6)
-
-
 @pytest.mark.parametrize("restitution", [0.2, 0.9])
 def test_bouncing_ball_makes_every_bounce_and_comes_to_rest_at_its_limit(restitution: float) -> None:
     """Dropped from height d: rest at sqrt(2 d/g) (1 + e)/(1 - e), after all bounces above the threshold."""

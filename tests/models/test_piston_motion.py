@@ -32,7 +32,7 @@ from .slider_cranks import (
     thesis_parameters,
     turn,
 )
-from .systems import wheel
+from .systems import outputs_of, wheel
 
 CORNERS = ("upper_front", "upper_rear", "lower_front", "lower_rear")
 ENGINE_SPEED = 2000.0 * math.pi / 30.0
@@ -368,11 +368,7 @@ def test_piston_without_an_initial_tilt_stays_flat():
 
 def test_start_of_the_source_is_the_aligned_mechanism(record):
     """theta_2' = -75 rad/s at 150 rad/s: the piston does not move across the bore."""
-    p = FREE.parameters.vector(FLORES)
-    x = FREE.state.vector({"crank_speed": SPEED})
-    y = np.zeros(FREE.outputs.size)
-    FREE.flat_output(0.0, x, FREE.inputs.vector(), p, y)
-    named = FREE.outputs.named(y)
+    named = outputs_of(FREE, FLORES, {"crank_speed": SPEED})
     quantity, source = "piston of Flores et al. (2010): position at the start (m)", "data of the source"
     record("Slider-crank", quantity, named["piston_position"], 0.459, source, relative=1e-15)
     assert named["piston_velocity"] == named["piston_offset_rate"] == 0.0
