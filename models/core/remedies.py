@@ -136,7 +136,8 @@ def _flatten(words: Words) -> Iterator[str | Action]:
 
 def _type_action(action: Action) -> str:
     if isinstance(action, Set):
-        return f"--set {_quote(f'{action.path}={_write_toml(action.value)}')}"
+        value = str(action.value).lower() if isinstance(action.value, bool) else action.value
+        return f"--set {_quote(f'{action.path}={value}')}"
     if isinstance(action, Option):
         given = "" if action.value is None or action.value is True else f" {_quote(action.value)}"
         return f"--{action.name.replace('_', '-')}{given}"
@@ -146,10 +147,6 @@ def _type_action(action: Action) -> str:
 
 def _quote(value: object) -> str:
     return "..." if isinstance(value, EllipsisType) else shlex.quote(str(value))
-
-
-def _write_toml(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 # Arguments and functions of another name than their option's and command's.

@@ -34,7 +34,7 @@ def differentiate(kernels: str, entries: Sequence[str]) -> str:
     """tangent_<entry> in LLVM's language, for these entries of translated `kernels`."""
     module = _simplify(kernels, {_KERNEL + entry for entry in entries})
     functions = [f for f in module.functions if not f.is_declaration]
-    made = {f.name: _tangent_name(f.name) for f in functions}
+    made = {f.name: _TANGENT + f.name.removeprefix(_KERNEL) for f in functions}
     tangents = [_write_tangent(f, made) for f in functions]
     known = {f.name for f in module.functions} | set(made.values())
     calls = sorted(set(re.findall(r"= call double @([\w.]+)\((.*)\)", "\n".join(tangents))))
@@ -82,10 +82,6 @@ def _run(module: Any, name: str = "", speed: int = 0) -> None:
     if name:
         getattr(passes, f"add_{name}_pass")()
     passes.run(module, builder)
-
-
-def _tangent_name(name: str) -> str:
-    return _TANGENT + name.removeprefix(_KERNEL)
 
 
 def _write_tangent(function: Any, made: Mapping[str, str]) -> str:
