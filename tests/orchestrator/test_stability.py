@@ -165,7 +165,8 @@ def estimate_errors(system, master, step, stop, watched=(), row=0):
     behaviour = Behaviour(linearise_at(system, where, row, watched), master, Couplings(system, names))
     sources = behaviour.sources
     track = sample_trajectory(where, system, sources)
-    expected = predict_errors(behaviour.macro_step(step), track, 2, behaviour.single.nominal)
+    found, defect = behaviour.macro_step(step), behaviour.find_defect(step)
+    expected = predict_errors(found, defect, track, 2, behaviour.single.nominal)
     run = run_coupled(system, master, step, stop)
     truth = where.outputs[::2, [system.outputs.index(port) for port in sources]]
     seen = [difference(run[str(port)], truth[:, i]).relative_rms for i, port in enumerate(sources)]

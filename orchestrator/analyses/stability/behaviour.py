@@ -21,7 +21,7 @@ from .extrapolation_error import HERMITE
 from .linear import compute_spectral_radius
 from .linear_participants import LinearCoupling
 from .linearisation import Point
-from .macro_step import MacroStep, build_macro_step, find_growing_output
+from .macro_step import MacroStep, build_macro_step, find_growing_output, read_defect
 
 
 class ConvergedMaster:
@@ -153,6 +153,13 @@ class Behaviour:
     def macro_step(self, step: float) -> MacroStep | None:
         """The macro step; None if the master's iteration does not converge."""
         return self._evaluate(step)[0]
+
+    def find_defect(self, step: float) -> Vector:
+        """The defect of the macro step, see `read_defect`."""
+        coupling, master = self._couplings.get(self.point, self.master), self.master
+        return read_defect(
+            coupling, ConvergedMaster(master, coupling, step) if master.implicit else master, step
+        )
 
     def _evaluate(self, step: float) -> tuple[MacroStep | None, float]:
         """The macro step and its `StepBehaviour.contraction`; the last one is remembered."""

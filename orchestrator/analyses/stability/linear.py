@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import expm
+from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from models.core.quantities import Vector
@@ -70,7 +71,7 @@ class Linear:
 
 def find_strong_parts(matrix: Vector) -> Iterator[Any]:
     """Indices of each strongly connected part; ordered by parts, the matrix is block triangular."""
-    count, labels = connected_components(matrix != 0.0, directed=True, connection="strong")
+    count, labels = connected_components(csr_array(matrix != 0.0), directed=True, connection="strong")
     order = np.argsort(labels, kind="stable")
     ends = np.searchsorted(labels[order], np.arange(count + 1))
     for first, last in pairwise(ends):

@@ -28,12 +28,10 @@ from .trajectory import compute_rates
 
 @dataclass(frozen=True)
 class MacroStep:
-    """data(t + H) = matrix data(t) + defect amounts, all in nominal units.
+    """data(t + H) = matrix data(t) + defect amounts, all in nominal units, see `read_defect`.
 
     The data are the participants' states, then rows of exchanged values, newest first, and, with rates, as
-    many rows of those times H. `amounts` are the changes of the true solution's values over the step, which
-    count for held inputs, and their extrapolation errors (`compute_extrapolation_error`), shape after shape,
-    for signals of these `degrees`.
+    many rows of those times H. Signals have these `degrees`.
     """
 
     step: float
@@ -41,7 +39,6 @@ class MacroStep:
     states: int
     sources: int
     matrix: Vector
-    defect: Vector
 
     @property
     def newest(self) -> slice:
@@ -50,16 +47,26 @@ class MacroStep:
 
 
 def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> MacroStep:
-    """Read the matrices off `master`; an implicit one is given as `ConvergedMaster`.
+    """Read the matrix off `master`; an implicit one is given as `ConvergedMaster`.
 
     Raises LinAlgError if the converged end values are not unique.
     """
-    size, sources = coupling.size, coupling.sources
-    kinds = 1 + len(build_shapes(step, coupling.degree))
-    columns, defect = np.empty((size, size)), np.empty((size, kinds * sources))
-    for part, data in _unit_columns(size, coupling.count):
+    columns = np.empty((coupling.size, coupling.size))
+    for part, data in _unit_columns(coupling.size, coupling.count):
         coupling.set_state(data, step)
         columns[:, part] = coupling.step(master, step)[:, : data.shape[1]]
+    return MacroStep(step, coupling.degrees.copy(), coupling.states, coupling.sources, columns)
+
+
+def read_defect(coupling: LinearCoupling, master: Master, step: float) -> Vector:
+    """The defect of that macro step, (data x amounts).
+
+    `amounts` are the changes of the true solution's values over the step, which count for held inputs, and
+    their extrapolation errors (`compute_extrapolation_error`), shape after shape.
+    """
+    size, sources = coupling.size, coupling.sources
+    kinds = 1 + len(build_shapes(step, coupling.degree))
+    defect = np.empty((size, kinds * sources))
     for part, amounts in _unit_columns(kinds * sources, coupling.count):
         coupling.set_state(np.zeros((size, amounts.shape[1])), step)
         coupling.add_extrapolation_error(amounts, step)
@@ -71,7 +78,7 @@ def build_macro_step(coupling: LinearCoupling, master: Master, step: float) -> M
             defect[coupling.states + source, (1 + kind) * sources + source] -= value
             if coupling.rated:
                 defect[rates + source, (1 + kind) * sources + source] -= rate * step
-    return MacroStep(step, coupling.degrees.copy(), coupling.states, sources, columns, defect)
+    return defect
 
 
 def _unit_columns(size: int, count: int) -> Iterator[tuple[slice, Vector]]:
@@ -120,8 +127,9 @@ def sample_trajectory(trajectory: Trajectory, system: System, sources: Sequence[
 
 
 def predict_errors(
-    step: MacroStep, track: SampledTrajectory, count: int, nominal: Vector, weights: Vector | None = None
-) -> Vector:
+    step: MacroStep, defect: Vector, track: SampledTrajectory, count: int, nominal: Vector,
+    weights: Vector | None = None,
+) -> Vector:  # fmt: skip
     """Estimate the relative RMS error of each source for macro steps of `count` instants of the track.
 
     `weights` multiply the amounts of each step.
@@ -130,7 +138,7 @@ def predict_errors(
     """
     values = track.values[::count]
     amounts = (track.compute_extrapolation_errors(count, step.degrees) / nominal).reshape(len(values), -1)
-    driven = amounts @ step.defect[:, : amounts.shape[1]].T
+    driven = amounts @ defect[:, : amounts.shape[1]].T
     if weights is not None:
         driven *= weights[:, None]
     error = np.zeros_like(values)

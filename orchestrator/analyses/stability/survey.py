@@ -296,7 +296,8 @@ class Survey:
         operator = behaviour.macro_step(factor * self.sampled.interval)
         if operator is None:
             return dict.fromkeys(self._names, math.inf)
-        found = predict_errors(operator, self.sampled, factor, behaviour.single.nominal, weights)
+        nominal, defect = behaviour.single.nominal, behaviour.find_defect(operator.step)
+        found = predict_errors(operator, defect, self.sampled, factor, nominal, weights)
         return {name: float(found[i]) for name, i in self._names.items()}
 
     def predict_excess(self, behaviour: Behaviour, factor: int, weights: Vector | None = None) -> float:
