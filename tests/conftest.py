@@ -1,5 +1,6 @@
 """Settings of all tests, and fixtures of all: numbers for manuals, kernels in plain Python."""
 
+import gc
 import os
 import signal
 
@@ -22,3 +23,12 @@ os.environ["NUMBA_DISABLE_ERROR_MESSAGE_HIGHLIGHTING"] = "1"
 
 # In the background of a shell, and then in all that tests start, Ctrl-C is ignored unless it is asked for.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# Imports and numba make millions of objects, nearly all of them kept: to look for garbage among these after
+# every 700 takes a tenth of the time of the tests.
+gc.set_threshold(50_000)
+
+
+def pytest_collection_finish() -> None:
+    """What is imported and collected stays, so it is not looked through again."""
+    gc.freeze()
