@@ -1,7 +1,7 @@
 """Where a cam or a spring comes from: a lift table, a law, or a component of a scenario."""
 
 import difflib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,14 +65,9 @@ def find_spring_settings(
             f"{source}: its springs have no wire",
             ("give one by [components.SPRING.wire], or by ", Option("set", "diameter=4 mm"), " and the like"),
         )
-    if component is not None and component not in wires:
-        known = one_of(wires, component) if wires else f"{source} has no spring with a wire"
-        raise MistakeError((Option("component", component), f": {known}"))
-    if component is None and len(wires) > 1:
-        raise MistakeError(
-            f"{source}: has the springs {', '.join(wires)}", ("choose one with ", Option("component"))
-        )
-    wire = wires[component] if component else next(iter(wires.values()), {})
+    if component is not None and not wires:
+        raise MistakeError((Option("component", component), f": {source} has no spring with a wire"))
+    wire = wires[_choose(source, component, wires, "springs")] if wires else {}
     left = LENGTHS if names & LENGTHS else set()
     kept = {key: _write(value) for key, value in wire.items() if key not in left}
     return kept | find_lift_settings(source, cam)
@@ -87,6 +82,18 @@ def find_lift_settings(source: str, component: str | None = None) -> dict[str, A
             ("take the lift table that ", Command("cam", (source,)), " writes"),
         )
     return {key: value for key, value in found.items() if key in list_lift_parameters()}
+
+
+def _choose(source: str, component: str | None, known: Mapping[str, Any], kind: str) -> str:
+    """The component asked for, or the only one; MistakeError for an unknown one, or of several."""
+    if component is None and len(known) > 1:
+        raise MistakeError(
+            f"{source}: has the {kind} {', '.join(known)}", ("choose one with ", Option("component"))
+        )
+    name = component or next(iter(known))
+    if name not in known:
+        raise MistakeError((Option("component", name), f": {one_of(known, name)}"))
+    return name
 
 
 def _write(value: Any) -> Any:
@@ -107,13 +114,7 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
     cams = {name: table for name, table in load(source).components.items() if _list_values(table)}
     if not cams:
         raise MistakeError(f"{source}: no component has a cam; give a lift table, or another scenario")
-    if component is None and len(cams) > 1:
-        raise MistakeError(
-            f"{source}: has the cams {', '.join(cams)}", ("choose one with ", Option("component"))
-        )
-    name = component or next(iter(cams))
-    if name not in cams:
-        raise MistakeError((Option("component", name), f": {one_of(cams, name)}"))
+    name = _choose(source, component, cams, "cams")
     values = _list_values(cams[name])
     follower = name_follower(values)
     wanted = {*list_lift_parameters(), *FIELDS[follower]}

@@ -14,7 +14,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Port, System
 from models.core.words import tally
 
-from ..scenario.display import format_number, show
+from ..scenario.display import format_number, say, show
 from ..store import atomic_write
 from .adjusters import UNHELD, describe_growth
 from .contacts import ContactSummaries, ContactSummary
@@ -49,8 +49,7 @@ class Merit:
     @property
     def text(self) -> str:
         """As it is shown."""
-        shown = show(self.quantity)
-        return f"{format_number(shown.factor * self.value, 3)} {shown.text}".rstrip()
+        return say(self.value, show(self.quantity), 3)
 
 
 def list_merits(system: System, contacts: ContactSummaries, read: Read) -> list[Merit]:

@@ -16,6 +16,8 @@ from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_group
 from ..assessment.films import FILMS, has_film, slides
+from ..assessment.merits import read_motion
+from ..assessment.motion import Motion
 from ..assessment.trains import Angle, Train, find_angle, find_angles, find_lost_rows, find_trains
 from ..scenario.display import SYMBOLS, show
 from ..scenario.files import load
@@ -150,6 +152,12 @@ class FigureData:
         words = words or self.quantities[name].description
         unit = self.shown(name)[1]
         return words if unit in ("", "1") else f"{words} ({unit})"
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The coupled run's rows, for figures of merit."""
+        assert self.system
+        return read_motion(self.system, {"time": self.time, **self.coupled}.__getitem__)
 
     @cached_property
     def trains(self) -> list[Train]:

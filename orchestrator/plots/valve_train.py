@@ -20,7 +20,6 @@ from ..assessment.adjusters import ADJUSTER, describe_growth
 from ..assessment.figures_of_merit import OPENED, VALVE
 from ..assessment.films import LIGHT
 from ..assessment.friction.losses import describe_content, list_losses, name_outside
-from ..assessment.merits import read_motion
 from ..assessment.motion import Found, Part
 from ..assessment.trains import Angle, Train, find_kinematics
 from .data import FigureData
@@ -247,8 +246,7 @@ def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
 def _remark_adjuster(panels: Mapping[str, Axes], data: FigureData, train: Train) -> None:
     """Its leak and growth in the turn, the highest pressure, and how long the check valve is open."""
     for name in train.list_parts(roles.Adjuster)[:1]:
-        motion = read_motion(train.system, {"time": data.time, **data.coupled}.__getitem__)
-        found = {figure: find(Part(motion, name)) for figure, (_, find) in ADJUSTER.items()}
+        found = {figure: find(Part(data.motion, name)) for figure, (_, find) in ADJUSTER.items()}
         highest = found["chamber_pressure"]
         most = f"at most {1e-6 * highest.value:.3g} MPa at {data.x()[highest.row]:.1f}°"
         if math.isnan(found["leak_down"].value):
@@ -264,8 +262,7 @@ def _measure(data: FigureData, train: Train, figure: str) -> Found:
     """A figure of merit of the train's valve in these rows."""
     if not train.list_parts(roles.Valve):
         return Found(math.nan)
-    motion = read_motion(train.system, {"time": data.time, **data.coupled}.__getitem__)
-    return VALVE[figure][1](Part(motion, train.valve))
+    return VALVE[figure][1](Part(data.motion, train.valve))
 
 
 def _show_zero(ax: Axes) -> None:

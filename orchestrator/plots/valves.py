@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ..assessment.trains import find_drive_angle
 from .data import FigureData
-from .style import COUPLED, MUTED, REFERENCE, create_grid, label_abscissa, shade
+from .style import MUTED, create_grid, label_abscissa, plot_both, shade
 
 COLUMNS = 4
 
@@ -33,17 +33,12 @@ def draw(data: FigureData) -> Figure:
         ax.fill_between(
             x, 0.0, 0.35 * top * share, color=MUTED, alpha=0.35, lw=0.0, label="lift (not to scale)"
         )
-        if data.reference:
-            reference = data.reference[f"{name}.load"]
-            ax.plot(
-                data.x(True), reference, color=REFERENCE, alpha=0.55, lw=2.6, label="monolithic reference"
-            )
-        ax.plot(x, data.coupled[f"{name}.load"], color=COUPLED, lw=1.0, label="coupled")
+        plot_both(ax, data, f"{name}.load", "Load")
         shade(ax, data, name)
         ax.set_title(name, loc="left", fontsize=8.5)
     panels[0].set_ylim(0.0, top)
-    for ax in panels[::columns]:
-        ax.set_ylabel("Load (N)")
+    for ax in set(panels) - set(panels[::columns]):
+        ax.set_ylabel("")
     for ax in panels[-columns:]:
         label_abscissa(ax, data)
     handles, labels = panels[0].get_legend_handles_labels()

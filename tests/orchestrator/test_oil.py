@@ -198,24 +198,24 @@ def test_a_part_keeps_its_own_oil(tmp_path):
     assert [line.partition(":")[0] for line in list_oils(scenario)] == ["contact"]
 
 
-TWO_OILS = "[components.{part}.parameters]\nviscosity = 0.02\n"
+TWO_OILS = "[components.upper_wall.parameters]\nviscosity = 0.02\n"
 
 
 @pytest.mark.parametrize(
-    ("base", "text", "doubted"),
+    ("text", "doubted"),
     [
-        ("engine", TWO_OILS.format(part="upper_wall"), True),
-        ("engine", "", False),
-        ("engine", OIL, True),
-        ("engine", OIL + OIL.replace("contact", "upper_wall") + OIL.replace("contact", "lower_wall"), False),
-        ("engine", "".join(OIL.replace("contact", p).replace("90", t) for p, t in (
+        (TWO_OILS, True),
+        ("", False),
+        (OIL, True),
+        (OIL + OIL.replace("contact", "upper_wall") + OIL.replace("contact", "lower_wall"), False),
+        ("".join(OIL.replace("contact", p).replace("90", t) for p, t in (
             ("contact", "120"), ("upper_wall", "150"), ("lower_wall", "150"))), False),
-        ("engine", '[components.upper_wall.parameters]\nfilm_model = "dry"\nviscosity = 0.02\n', False),
+        (TWO_OILS + 'film_model = "dry"\n', False),
     ],
 )  # fmt: skip
-def test_parts_that_no_temperature_of_one_oil_explains_are_doubted(tmp_path, base, text, doubted):
+def test_parts_that_no_temperature_of_one_oil_explains_are_doubted(tmp_path, text, doubted):
     """Of one oil at several stated temperatures each part is explained; a dry contact has no oil."""
-    found = [line for line in list_warnings(load(write(tmp_path, text, base))) if "no oil has" in line]
+    found = [line for line in list_warnings(load(write(tmp_path, text, "engine"))) if "no oil has" in line]
     assert len(found) == doubted
     assert not found or ("0.036 Pa.s in" in found[0] and 'temperature = "100 degC"' in found[0])
 
