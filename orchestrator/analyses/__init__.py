@@ -13,6 +13,13 @@ __all__ = ["Analysis", "Parameter", "Result", "list_analyses", "load"]
 
 # Analyses of one table: module and object.
 SHARED = {
+    "classification": ("_settling", "CLASSIFICATION"),
+    "transient": ("_settling", "TRANSIENT"),
+    "wear": ("_distribution", "WEAR"),
+    "exponents": ("_exponents", "EXPONENTS"),
+    "exponent_map": ("_exponents", "EXPONENT_MAP"),
+    "force": ("_regions", "FORCE"),
+    "regions": ("_regions", "REGIONS"),
     "phase": ("_motion", "PHASE"),
     "trace": ("_motion", "TRACE"),
     "profile": ("_distribution", "PROFILE"),

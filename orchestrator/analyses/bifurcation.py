@@ -10,8 +10,7 @@ from matplotlib.ticker import FuncFormatter, MultipleLocator
 
 from models.slider_crank.motions.bifurcation import RECORDS, continue_sweep, sweep_from_rest
 
-from ..plots.cells import LABELS
-from ..plots.motion import add_legend, create_figure, drop_varied, format_angle
+from ..plots.motion import LABELS, add_legend, create_figure, drop_varied, format_angle
 from ..plots.style import COUPLED, REFERENCE
 from ._machine import (
     MACHINE,
