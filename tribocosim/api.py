@@ -98,12 +98,12 @@ class Result:
         sliding distance (m2/N). MistakeError if no contact slides under a cam, or several do.
         """
         from orchestrator.assessment.friction.judge import judge_friction
-        from orchestrator.assessment.friction.table import of
+        from orchestrator.assessment.friction.report import tabulate
 
         _, found = judge_friction(self.folder or self._kept, contact, wear_coefficient, 1.0)
         if len(found) > 1:
             raise MistakeError(f"contact: must be one of {', '.join(one.cycle.contact for one in found)}")
-        return of(found[0].cycle, found[0].worn, found[0].coefficient)
+        return tabulate(found[0].cycle, found[0].worn, found[0].coefficient)
 
     def plot(self, *variables: str, over: str = "time") -> Picture:
         """Each variable, coupled and reference, below each other, in the units of figures and page.

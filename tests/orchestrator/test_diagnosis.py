@@ -12,8 +12,7 @@ import pytest
 
 from models.core.quantities import Quantity
 from orchestrator.assessment.diagnosis import RULES, Facts, Steps, brief, diagnose_steps, full, read_steps
-from orchestrator.assessment.diagnosis.answer import LIMITING, answer
-from orchestrator.assessment.diagnosis.report import diagnose
+from orchestrator.assessment.diagnosis.report import LIMITING, answer, diagnose
 from orchestrator.assessment.diagnosis.times import Spending, list_parts, read_spending
 from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.effort import Spent

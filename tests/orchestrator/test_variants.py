@@ -13,8 +13,7 @@ from rich.console import Console
 import tribocosim
 from orchestrator.errors import MistakeError
 from orchestrator.plots import valve_train
-from orchestrator.plots.speeds import PANELS
-from orchestrator.plots.variants import draw_variants
+from orchestrator.plots.speeds import PANELS, draw_variants
 from orchestrator.reporter import Reporter
 from orchestrator.scenario.display import format_number
 from orchestrator.study import run_overlay

@@ -121,9 +121,8 @@ def print_friction(
     Of a sweep over speed, or of the designs in its folder, report the friction of the whole train by shares.
     """
     from orchestrator.assessment.friction.judge import judge_friction, judge_losses
-    from orchestrator.assessment.friction.report import remarks, tables
+    from orchestrator.assessment.friction.report import remarks, tables, tabulate, write
     from orchestrator.assessment.friction.shares import remark_losses, tabulate_losses
-    from orchestrator.assessment.friction.table import of, write
     from orchestrator.errors import MistakeError, Option
     from orchestrator.plots.friction import draw_friction
     from orchestrator.plots.style import save_figure
@@ -141,7 +140,9 @@ def print_friction(
     scenario, found = judge_friction(folder, contact, coefficient, CYCLES if cycles is None else cycles)
     losses, motion = judge_losses(folder, scenario)
     if as_json:
-        contacts = {one.cycle.contact: of(one.cycle, one.worn, one.coefficient).to_dict() for one in found}
+        contacts = {
+            one.cycle.contact: tabulate(one.cycle, one.worn, one.coefficient).to_dict() for one in found
+        }
         print_json({**contacts, "shares": losses.shares, "in_the_motion": losses.inside})
     for page in tables(found):
         reporter.console.print(page)

@@ -26,7 +26,7 @@ from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from ...analyses import Parameter, Result
 from ...assessment.friction.losses import remark_outside
 from ...errors import MistakeError, Option, RunError, one_of
-from ...plots.sensitivities import LEAST, draw_tornado
+from ...plots.merits import LEAST, draw_tornado
 from ...plots.style import save_figure
 from ...report.answer import Answer
 from ...reporter import Reporter

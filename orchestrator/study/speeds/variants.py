@@ -15,8 +15,8 @@ from rich.table import Table
 
 from ...assessment.lost_contact import find_lost
 from ...errors import MistakeError, Option
+from ...plots.speeds import draw_variants
 from ...plots.style import save_figure
-from ...plots.variants import draw_variants
 from ...reporter import Reporter
 from ...run.interruption import Noticed
 from ...scenario.display import format_number

@@ -9,8 +9,8 @@ from rich.table import Column, Table
 
 from models.core.words import tally
 
+from ...plots.merits import Panel, draw_histograms, draw_indices
 from ...plots.style import save_figure
-from ...plots.tolerances import Panel, draw_histograms, draw_indices
 from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario.display import Shown, add_unit, format_number, show_attributes
