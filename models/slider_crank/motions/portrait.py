@@ -71,8 +71,7 @@ def _trace_revolution(motion: Motion, points: int) -> tuple[Vector, Vector, Vect
         (_interleave(impacts.rate, rates_after(machine, impacts)), states[:, 1]),
         (_interleave(np.zeros_like(sliding), sliding), states[:, 2]),
     )
-    merged = (np.concatenate(parts)[order] for parts in columns)
-    psi, rate, side = merged
+    psi, rate, side = (np.concatenate(parts)[order] for parts in columns)
     return angles[order], psi, rate, side
 
 
