@@ -213,7 +213,7 @@ def _advise_on_steps(
 def _advise_on_events(plan: Plan, contacts: ContactSummaries) -> Words:
     """What helps where contacts are made and lost between steps of equal length; empty if none is."""
     opened = [name for name, contact in contacts.items() if contact.separation or contact.at_rest]
-    if not plan.fixed_steps or not opened:
+    if plan.scenario.step_control or not opened:
         return ""
     return (
         f"; {', '.join(opened)}: opens and closes between steps of equal length, step control locates "

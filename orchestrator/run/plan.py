@@ -41,6 +41,7 @@ from ..scenario.system import (
     Resolved,
     list_doubtful_equilibrium,
     list_moved_starts,
+    list_outputs,
 )
 from ..scenario.warnings import list_notices
 from ..stepping import RefinedSteps, Stepper
@@ -138,10 +139,6 @@ class Plan:
     notices: Sequence[str] = ()
 
     @property
-    def name(self) -> str:
-        return self.scenario.name
-
-    @property
     def stop_time(self) -> float:
         """In seconds."""
         return self.scenario.stop_time
@@ -150,10 +147,6 @@ class Plan:
     def tolerance(self) -> Mapping[str, float]:
         """The largest relative RMS error allowed, by variable."""
         return self.scenario.tolerance
-
-    @property
-    def fixed_steps(self) -> bool:
-        return self.scenario.step_control is None
 
     @cached_property
     def sha256(self) -> dict[str, str]:
@@ -169,11 +162,7 @@ class Plan:
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
         """The quantity of every output, by "instance.variable"."""
-        return {
-            f"{name}.{field.name}": field.quantity
-            for name, instance in self.system.instances.items()
-            for field in instance.component.outputs.fields
-        }
+        return list_outputs(self.scenario)
 
 
 def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: bool = True) -> Plan:

@@ -60,8 +60,8 @@ def open_result(plan: Plan, folder: OutputFolder, reporter: Reporter) -> Iterato
 def _describe(plan: Plan) -> dict[str, str]:
     """The attributes of the result file."""
     return {
-        "title": plan.scenario.description or plan.name,
-        "scenario": plan.name,
+        "title": plan.scenario.description or plan.scenario.name,
+        "scenario": plan.scenario.name,
         "scenario_toml": plan.toml,
         "versions": ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES),
         "fmu_sha256": "\n".join(f"{name} {sha256}" for name, sha256 in plan.sha256.items()) or "none",

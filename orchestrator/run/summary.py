@@ -185,7 +185,7 @@ def begin_summary(plan: Plan) -> Summary:
         version=metadata.version("tribocosim"),
         master=scenario.master.model_dump(),
         macro_step=scenario.macro_step,
-        fixed_steps=plan.fixed_steps,
+        fixed_steps=scenario.step_control is None,
         tolerance=dict(plan.tolerance),
         figures=plan.figures,
         fmus=plan.sha256,
