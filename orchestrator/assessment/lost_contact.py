@@ -1,4 +1,4 @@
-"""Lost contact: its one definition, and the speeds of a sweep at which it is met."""
+"""Lost contact: its one definition, speeds at which it is met; where films and friction have a meaning."""
 
 import math
 from typing import Any, NamedTuple
@@ -72,3 +72,26 @@ def find_lost(table: xarray.Dataset, number: str = "lost") -> NDArray[np.bool_]:
     """By speed, whether any contact has this share."""
     shares = [table[name].values for name in list_shares(table, number)]
     return np.any(np.reshape(shares, (len(shares), table.sizes["speed"])) > 0.0, axis=0)
+
+
+# Film variables of a contact.
+FILMS = ("film_thickness", "minimum_film_thickness", "steady_film_thickness", "film_ratio")
+# Of the contact's largest load. Under less, asperities alone hold the surfaces apart: film_ratio rises
+# without bound as the load goes to zero, within a microsecond of touch or separation.
+LIGHT = 0.01
+# Of the largest sliding velocity. Below it a contact is at rest but for elastic vibrations: boundary friction
+# has its full size, and a sign that they change at random.
+SLOW = 1e-3
+
+
+def has_film(variable: str, load: Vector) -> NDArray[np.bool_]:
+    """Rows in which one of FILMS has a meaning: under load; film_ratio under more than a LIGHT one of its
+    cycle, the last axis."""
+    light = LIGHT * np.max(load, axis=-1, keepdims=True, initial=0.0) if variable == "film_ratio" else 0.0
+    return np.asarray(load > light)
+
+
+def slides(velocity: Vector) -> NDArray[np.bool_]:
+    """Rows in which friction has a sign."""
+    size = np.abs(velocity)
+    return np.asarray(size >= SLOW * float(np.max(size, initial=0.0)))

@@ -15,7 +15,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
 from ..assessment.diagnosis.steps import NONE, Steps, read_group
-from ..assessment.films import FILMS, has_film, slides
+from ..assessment.lost_contact import FILMS, has_film, slides
 from ..assessment.merits import read_motion
 from ..assessment.motion import Motion
 from ..assessment.trains import Angle, Train, find_angle, find_angles, find_lost_rows, find_trains

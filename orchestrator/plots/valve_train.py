@@ -18,8 +18,8 @@ from models.core.quantities import Quantity, Vector
 
 from ..assessment.adjusters import ADJUSTER, describe_growth
 from ..assessment.figures_of_merit import OPENED, VALVE
-from ..assessment.films import LIGHT
 from ..assessment.friction.losses import describe_content, list_losses, name_outside
+from ..assessment.lost_contact import LIGHT
 from ..assessment.motion import Found, Part
 from ..assessment.trains import Angle, Train, find_kinematics
 from .data import FigureData

@@ -11,7 +11,7 @@ from models.core.system import System
 
 from ..assessment.diagnosis.report import WORDS
 from ..assessment.diagnosis.suggestions import percent
-from ..assessment.films import FILMS, has_film
+from ..assessment.lost_contact import FILMS, has_film
 from ..assessment.trains import find_lost_rows
 from ..engine.step import REASONS
 from ..scenario import Scenario, parse_ends

@@ -11,7 +11,7 @@ import xarray
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 from orchestrator.assessment.diagnosis import Steps
-from orchestrator.assessment.films import LIGHT
+from orchestrator.assessment.lost_contact import LIGHT
 from orchestrator.plots import (
     difference,
     film_and_load,

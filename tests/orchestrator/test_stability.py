@@ -18,13 +18,13 @@ from orchestrator.analyses.stability.behaviour import (
     find_hardest_point,
     find_stability_limit,
 )
-from orchestrator.analyses.stability.extrapolation_error import (
+from orchestrator.analyses.stability.linear import ROWS, compute_spectral_radius
+from orchestrator.analyses.stability.linear_participants import (
+    LinearParticipant,
     build_shapes,
     compute_extrapolation_error,
     evaluate_ends,
 )
-from orchestrator.analyses.stability.linear import ROWS, compute_spectral_radius
-from orchestrator.analyses.stability.linear_participants import LinearParticipant
 from orchestrator.analyses.stability.linearisation import Point, linearise, linearise_at
 from orchestrator.analyses.stability.macro_step import predict_errors, sample_trajectory
 from orchestrator.analyses.stability.partition import Partition

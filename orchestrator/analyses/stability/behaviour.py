@@ -17,9 +17,8 @@ from ...masters import Master
 from ...masters.interface import bind_interface
 from ...masters.parts import find_parts, step_in_parts
 from ...masters.protocol import MasterStep
-from .extrapolation_error import HERMITE
 from .linear import compute_spectral_radius
-from .linear_participants import LinearCoupling
+from .linear_participants import HERMITE, LinearCoupling
 from .linearisation import Point
 from .macro_step import MacroStep, build_macro_step, find_growing_output, read_defect
 

@@ -20,9 +20,8 @@ from models.core.system import Port, System
 from models.monolithic.trajectory import Trajectory
 
 from ...masters import Master
-from .extrapolation_error import build_shapes, compute_extrapolation_error, evaluate_ends
 from .linear import compute_spectral_radius, find_strong_parts
-from .linear_participants import LinearCoupling
+from .linear_participants import LinearCoupling, build_shapes, compute_extrapolation_error, evaluate_ends
 from .trajectory import compute_rates
 
 

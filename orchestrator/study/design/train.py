@@ -16,7 +16,7 @@ from models.monolithic.cycle_tangents import CycleTangents, Direction, different
 from models.valve_train.cams.table import TURN
 from models.valve_train.worn_cam import sample_cam
 
-from ...assessment.films import has_film
+from ...assessment.lost_contact import has_film
 from ...assessment.trains import Train, check_lash, find_trains
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
