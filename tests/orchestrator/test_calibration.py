@@ -260,14 +260,14 @@ def test_of_several_starts_the_one_nearest_to_the_data_is_kept(noise):
     wanted, signal = [Fitted("a.a", "1", 5.0, low=2.0, high=20.0)], Signal("y", "y.y", noise=noise)
     objective = objective_of(model, data, wanted, signal)
     best, ends = _fit_from(objective, 8, SilentReporter())
-    assert not find_doubt(objective, best.x, ends[:1])
+    assert not find_doubt(objective, best, ends[:1])
     # The deviation of the frequency is 0.1/(12 of the sum's root) = 6e-3 at most.
     assert 5.0 * best.x == pytest.approx([12.0], abs=0.03)
     assert min(ends) == pytest.approx(1.0, abs=0.1)
     assert ends[-1] > 5.0
     assert ends[0] > 5.0
     trapped = fit(objective, np.ones(1))
-    assert "neighbouring residuals of y are alike" in find_doubt(objective, trapped.x, ends[:1])
+    assert "neighbouring residuals of y are alike" in find_doubt(objective, trapped, ends[:1])
 
 
 def test_a_fit_that_leaves_noise_is_seldom_doubted():
@@ -278,7 +278,7 @@ def test_a_fit_that_leaves_noise_is_seldom_doubted():
         data = TIMES + generator.normal(0.0, 0.2, TIMES.size)
         for which, noise in enumerate((0.2, 0.1)):
             objective, found = fit_line(Signal("y", "line.height", noise=noise), data, fixed=True)
-            doubted[which] += bool(find_doubt(objective, found.x, [1.0]))
+            doubted[which] += bool(find_doubt(objective, found, [1.0]))
     assert doubted[0] <= 2
     assert doubted[1] == 100
 

@@ -1,4 +1,5 @@
-"""Whether a fit looks trapped: residuals above the noise or alike, and starts that disagree."""
+"""Whether a fit looks trapped: residuals above the noise or alike, starts that disagree, and signals that do
+not follow their derivatives."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -8,8 +9,9 @@ import scipy
 
 from models.core.quantities import Vector
 
+from .fit import Fit
 from .measured import Measured
-from .objective import Objective
+from .objective import MISSED, SHARE, Objective
 from .signals import Eliminated
 
 # What is this far beyond chance is told: the size of a residual, by the chi-square distribution, and the
@@ -21,11 +23,12 @@ SMALL = 1e-4
 OTHER = 1.05
 
 
-def find_doubt(objective: Objective, x: Vector, ends: Sequence[float]) -> str:
+def find_doubt(objective: Objective, found: Fit, ends: Sequence[float]) -> str:
     """What was seen and what to do, in a sentence; "" of a fit that leaves noise. `ends` are the residuals of
     the starts."""
-    rows = enumerate(zip(objective.noises, objective.eliminate(x), strict=True))
+    rows = enumerate(zip(objective.noises, objective.eliminate(found.x), strict=True))
     seen = [text for i, row in rows for text in _doubt_signal(objective.measured, i, *row)]
+    seen += [] if found.unseen else _doubt_derivatives(objective, found)
     if len(ends) > 2 and sum(end < OTHER * min(ends) for end in ends) == 1:
         seen.append(f"only one of {len(ends)} starts came to this residual")
     if not seen:
@@ -50,6 +53,27 @@ def _doubt_signal(measured: Measured, i: int, noise: float, one: Eliminated) -> 
             f"neighbouring residuals of {signal.column} are alike (correlation {alike:.2g}, of white noise "
             f"{most:.2g} at most)"
         )
+
+
+def _doubt_derivatives(objective: Objective, found: Fit) -> Iterator[str]:
+    """Where a change of all parameters by a deviation, or by no less than the step of differences, does not
+    change the signals as derivatives say."""
+    values, vectors = np.linalg.eigh(found.covariance)
+    step = vectors @ np.sqrt(np.maximum(values, 0.0))
+    step *= max(1.0, SHARE / np.max(np.abs(step) / np.maximum(np.abs(found.x), SHARE)))
+    slopes = [one.signals for one in objective.derivatives]
+    before, after = objective.predict(found.x), objective.predict(found.x + step)
+    for one, old, new, slope in zip(objective.measured.experiments, before, after, slopes, strict=True):
+        if new.message:
+            continue
+        changed = (new.signals - old.signals) / np.array(objective.noises)[:, None]
+        expected = slope @ step / np.array(objective.noises)[:, None]
+        missed = np.linalg.norm(changed - expected) / (np.linalg.norm(changed) or 1.0)
+        if missed > MISSED:
+            yield (
+                f"derivatives miss {missed:.2g} of what a standard deviation of all parameters changes "
+                f"{one.place}, and intervals do not hold".replace("  ", " ")
+            )
 
 
 def _split(measured: Measured, i: int, residual: Vector) -> Iterator[Vector]:

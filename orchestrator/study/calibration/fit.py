@@ -67,7 +67,7 @@ def fit(objective: Objective, start: Vector) -> Fit:
             break
     # Corrections of derivatives would part what acts alike.
     jacobian, residual = objective.jacobian_found(x), objective.residual(x)
-    if is_doubtful(jacobian):
+    if objective.rattles or is_doubtful(jacobian):
         objective.centre(x)
         jacobian = objective.jacobian_found(x)
     return Fit(x, invert(jacobian), float(residual @ residual), jacobian, find_unseen(objective, x, jacobian))

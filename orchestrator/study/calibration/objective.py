@@ -171,9 +171,14 @@ class Objective:
         weights = np.array(self.noises)[:, None]
         return float(np.sqrt(sum(np.sum((part / weights) ** 2) for part in parts)))
 
+    @property
+    def rattles(self) -> bool:
+        """Whether differences took the place of tangents."""
+        return self._spans is not None
+
     def centre(self, x: Vector) -> None:
         """Have `derivatives` by differences be of both sides."""
-        if self._exact or self._spans is not None:
+        if self._exact:
             return
         up, down = (self._difference(x, side) for side in (1.0, -1.0))
         pairs = zip(up, down, strict=True)
@@ -198,10 +203,10 @@ class Objective:
     def _difference(self, x: Vector, side: float = 1.0) -> list[Prediction]:
         base = self.predict(x)
         columns = []
-        steps = {k: side * self._choose_step(k, x) for k in range(x.size)}
+        steps = {k: self._choose_step(k, x, side) for k in range(x.size)}
         for k, found in enumerate(self._predict_beside(x, steps)):
             if any(one.message for one in found):
-                steps[k] = -steps[k]
+                steps[k] = self._choose_step(k, x, -float(np.sign(steps[k])))
                 (found,) = self._predict_beside(x, {k: steps[k]})
             if message := next((one.message for one in found if one.message), ""):
                 name = self.parameters[k].name
@@ -214,13 +219,16 @@ class Objective:
 
         return [combine(divide, here, *(found[e] for found in columns)) for e, here in enumerate(base)]
 
-    def _choose_step(self, k: int, x: Vector) -> float:
-        """Away from the nearer bound."""
+    def _choose_step(self, k: int, x: Vector, side: float) -> float:
+        """To this `side` of a parameter, or to the other one where its bound is too near; never beyond."""
         one = self.parameters[k]
-        step = SHARE * max(abs(float(x[k])), SHARE)
+        length = SHARE * max(abs(float(x[k])), SHARE)
         if self._spans is not None:
-            step = float(np.clip(self._spans[k], step, max(step, WIDEST * abs(x[k]))))
-        return -step if x[k] + step > one.high / one.size else step
+            length = float(np.clip(self._spans[k], length, max(length, WIDEST * abs(x[k]))))
+        rooms = {1.0: one.high / one.size - x[k], -1.0: x[k] - one.low / one.size}
+        if rooms[side] < min(length, rooms[-side]):
+            side = -side
+        return side * min(length, rooms[side])
 
     def _predict_beside(self, x: Vector, steps: Mapping[int, float]) -> list[list[Prediction]]:
         """At x with one parameter changed by its step, for each of the `steps`."""

@@ -30,7 +30,7 @@ from ...texts import to_plain
 from .doubts import find_doubt
 from .fit import Fit, half_width
 from .objective import Objective
-from .unseen import list_correlated
+from .unseen import find_places, list_correlated
 
 PAGE, TABLE, NUMBERS, FITTED = "calibration.html", "calibration.csv", "calibration.json", "calibrated.toml"
 # Of a fitted value, in all files.
@@ -81,27 +81,35 @@ class Calibration:
             found.append(Row(one.name, one.unit, one.start, value, low, high, spread, seen, written))
         return found
 
-    @property
+    @cached_property
     def notes(self) -> list[str]:
         names = [one.name for one in self.objective.parameters]
         correlated = [f"correlation of {text}" for text in list_correlated(names, self.fit.correlation)]
-        bounded = [
-            f"{one.name}: is at its bound {one.size * x:g} {one.unit}"
+        ends = {
+            one.name: say(one.size * x, _show(list_quantities(self.scenario)[one.name]))
             for one, x in zip(self.objective.parameters, self.fit.x, strict=True)
             if min(abs(one.size * x - one.low), abs(one.size * x - one.high)) <= 1e-6 * one.size
+        }
+        bounded = [
+            f"{name} ends at its bound {end}, beyond which the data pull it: its interval does not hold; "
+            "widen the bound, or look for what data or model lack"
+            for name, end in ends.items()
         ]
-        doubt = find_doubt(self.objective, self.fit.x, self.ends)
-        return [*([doubt] if doubt else []), *(one.text for one in self.fit.unseen), *bounded, *correlated]
+        doubt = find_doubt(self.objective, self.fit, self.ends)
+        hidden = [one.text for one in self.fit.unseen if not one.shares.keys() <= ends.keys()]
+        return [*bounded, *([doubt] if doubt else []), *hidden, *correlated]
 
 
 def answer_fit(done: Calibration, answer: Answer) -> None:
     """The fitted parameters, what the signals show of them, and what they do not."""
+    places = find_places(done.objective, done.fit.jacobian)
     table = Table(
         Column("parameter", no_wrap=True), "unit", "start", "fitted", "95 % interval", "+/- %",
+        *(["seen best"] if any(places) else []),
         title=f"{done.scenario.name}: fitted parameters", title_justify="left", padding=0,
     )  # fmt: skip
     quantities, outputs = list_quantities(done.scenario), list_outputs(done.scenario)
-    for row in done.rows:
+    for row, place in zip(done.rows, places, strict=True):
         shown = _show(quantities[row.name])
         factor = shown.factor
         low, high = (format_number(factor * end) for end in (row.low, row.high))
@@ -112,7 +120,7 @@ def answer_fit(done: Calibration, answer: Answer) -> None:
             else "–"
         )
         start, fitted = format_number(factor * row.start), format_number(factor * row.fitted, 6)
-        table.add_row(row.name, shown.text, start, fitted, interval, share)
+        table.add_row(row.name, shown.text, start, fitted, interval, share, *filter(None, [place]))
     answer.table(table)
     for signal, noise, one in _list_signals(done):
         unit = _show(outputs[signal.variable])

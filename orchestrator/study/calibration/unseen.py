@@ -142,6 +142,17 @@ def _count_rows(objective: "Objective", experiment: int) -> int:
     return int(objective.measured.experiments[experiment].positions.size)
 
 
+def find_places(objective: "Objective", jacobian: Vector) -> list[str]:
+    """The speed without which each parameter would be known least; "" where there is one."""
+    experiments = objective.measured.experiments
+    counts = np.transpose([np.isfinite(one.values).sum(axis=1) for one in experiments])
+    rows = np.concatenate([np.repeat(np.arange(len(experiments)), row) for row in counts])
+    if len(experiments) == 1:
+        return [""] * jacobian.shape[1]
+    left = [np.diag(invert(jacobian[rows != e])) for e in range(len(experiments))]
+    return [experiments[e].place for e in np.argmax(left, axis=0)]
+
+
 def list_correlated(names: Sequence[str], correlation: Vector, least: float = 0.9) -> list[str]:
     """Pairs that are strongly correlated, in words."""
     pairs = [(abs(correlation[i, j]), i, j) for i in range(len(names)) for j in range(i)]
