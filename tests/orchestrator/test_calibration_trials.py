@@ -1,4 +1,4 @@
-"""Intervals of ten parameters of a pushrod train, fitted to noisy lift and force at four speeds."""
+"""Intervals of ten parameters of a pushrod train, fitted to noisy lift and forces at four speeds."""
 
 import sqlite3
 from collections.abc import Callable, Sequence
@@ -64,13 +64,13 @@ class Rattling(Linear):
         for one, smooth in zip(requests, super().make(requests), strict=True):
             phase = wave @ (np.array([value for _, value in one.values]) - 1.0)
             ripple = np.sin(phase) if one.task == "predict" else np.cos(phase)[..., None] * wave
-            size = 0.05 * NOISES.reshape(2, *[1] * (ripple.ndim - 1))
+            size = 0.05 * NOISES.reshape(-1, *[1] * (ripple.ndim - 1))
             found.append(replace(smooth, signals=smooth.signals + size * ripple))
         return found
 
 
-# Part of a change of 0.5 % that derivatives may miss: 0.01 to 0.24 at these speeds.
-BENT = 0.3
+# Part of a change of 0.5 % that derivatives may miss: 0.01 to 0.13 at these speeds.
+BENT = 0.2
 
 
 def count_held(model: Linear, draw: Callable[[], Measured], trials: int) -> tuple[np.ndarray, np.ndarray]:
@@ -88,8 +88,8 @@ def count_held(model: Linear, draw: Callable[[], Measured], trials: int) -> tupl
 
 def count_of_three(kind: type[Linear], trials: int) -> tuple[np.ndarray, np.ndarray]:
     """`count_held` of three parameters in one experiment, with noises that are given."""
-    generator, base = np.random.default_rng(8), [np.zeros((2, 25))]
-    slopes = NOISES[:, None, None] * generator.normal(0.0, 20.0, (2, 25, 3))
+    generator, base = np.random.default_rng(8), [np.zeros((NOISES.size, 25))]
+    slopes = NOISES[:, None, None] * generator.normal(0.0, 20.0, (NOISES.size, 25, 3))
     known = tuple(replace(one, noise=float(noise)) for one, noise in zip(SIGNALS, NOISES, strict=True))
     return count_held(
         kind(base, [slopes]), lambda: replace(add_noise(base, generator), signals=known), trials
@@ -175,7 +175,7 @@ def test_residuals_of_cycles_near_the_truth_lead_where_derivatives_do(train):
     _, open_trial = train
     for seed in range(3):
         x, deviations, left = step(open_trial(seed))
-        assert left < 0.1
+        assert left < 0.3
         assert (half_width(10**9) * deviations < 0.02).all()
         assert np.abs(x - 1.0).max() < 0.02
 

@@ -93,6 +93,7 @@ def _descend(level: _Smoothed, start: Vector, x: Vector) -> Vector:
             return np.asarray(np.where(positive, np.log(x / start), x - start) / PRIOR)
 
     for _ in range(STEPS):
+        objective.refresh()  # far from the answer curvature misleads a step, and no vibration
         parts = level.eliminate(x, objective.find_slopes(x))
         noises = [float(np.sqrt(np.mean(one.residual**2))) or 1.0 for one in parts]
         residual = np.concatenate([one.residual / s for one, s in zip(parts, noises, strict=True)])
