@@ -1,10 +1,8 @@
 """Linear systems x' = A x + B u, y = C x + D u, and eigenvalues of large sparse matrices."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import pairwise
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -69,13 +67,17 @@ class Linear:
         return self._steps[h]
 
 
-def find_strong_parts(matrix: Vector) -> Iterator[Any]:
-    """Indices of each strongly connected part; ordered by parts, the matrix is block triangular."""
-    count, labels = connected_components(csr_array(matrix != 0.0), directed=True, connection="strong")
+@lru_cache(maxsize=16)
+def _find_strong_parts(size: int, linked: bytes) -> tuple[Any, ...]:
+    graph = csr_array(np.frombuffer(linked, dtype=bool).reshape(size, size))
+    count, labels = connected_components(graph, directed=True, connection="strong")
     order = np.argsort(labels, kind="stable")
-    ends = np.searchsorted(labels[order], np.arange(count + 1))
-    for first, last in pairwise(ends):
-        yield order[first:last]
+    return tuple(np.split(order, np.searchsorted(labels[order], np.arange(1, count))))
+
+
+def find_strong_parts(matrix: Vector) -> tuple[Any, ...]:
+    """Indices of each strongly connected part; ordered by parts, the matrix is block triangular."""
+    return _find_strong_parts(len(matrix), (matrix != 0.0).tobytes())  # the same of many steps
 
 
 def compute_eigenvalues(matrix: Vector) -> Vector:
