@@ -123,6 +123,10 @@ class Run:
             observer.attach(self.state)
         _begin(self._observers, session.coupling.wiring.system.outputs.names, resumed)
         try:
+            if resumed is not None:
+                self._made, self._rejected, self._iterations = (
+                    resumed[key] for key in ("made", "rejected", "iterations")
+                )
             session.begin()
             self._start(resumed)
             while session.time < session.stop_time:
@@ -147,9 +151,6 @@ class Run:
         if resumed is None:
             self._show(Step(self.session.time, 0.0, 0))
             return
-        self._made, self._rejected, self._iterations = (
-            resumed[key] for key in ("made", "rejected", "iterations")
-        )
         self._began -= resumed["elapsed"]
         self.session.restore(resumed["session"])
 

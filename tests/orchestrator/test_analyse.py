@@ -15,8 +15,10 @@ from typer.testing import CliRunner
 from models.slider_crank.motions.machine import FORMS
 from orchestrator.analyses import list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
+from orchestrator.analyses.poincare import draw_poincare, magnify
 from orchestrator.errors import MistakeError
 from orchestrator.plots.motion import format_angle, shift_to_first_turn
+from orchestrator.plots.style import create_subplots
 from tests.fmus.names import mark_long
 from tribocosim.command_line import app
 
@@ -205,3 +207,12 @@ def test_angles_count_from_their_own_revolution(turns: int, phase: float) -> Non
     """To the resolution of so large an angle."""
     theta = np.array([2.0 * math.pi * turns, 2.0 * math.pi * turns + phase])
     assert shift_to_first_turn(theta) == pytest.approx([0.0, phase], abs=1e-9)
+
+
+def test_a_window_is_so_much_smaller_around_the_nearest_point_and_shows_the_points_in_it() -> None:
+    theta, rate = np.array([1.0, 2.0, 3.0]), np.array([0.1, 0.2, 0.3])
+    window = magnify(theta, rate, (1.9, 0.21), 5.0)
+    assert window == pytest.approx((2.0 - 0.2 * math.pi, 2.0 + 0.2 * math.pi, 0.18, 0.22))
+    _, axes = create_subplots()
+    draw_poincare(axes, theta, rate, window)
+    np.testing.assert_array_equal(axes.collections[0].get_offsets(), [[2.0, 0.2]])

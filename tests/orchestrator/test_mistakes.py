@@ -36,6 +36,7 @@ MISTAKES = {
     "wear slider-crank --until '3 mm' --out OUT": "no contact slides on a cam",
     "wear pushrod-engine --until '3 mm' --out OUT": "choose --contact",
     "wear valve-train --until '3 mm' --out OUT": "or less",
+    "design valve-trian --out OUT": "did you mean valve-train",
     # Of numbers that are plausible only in another unit than SI.
     "cam cycloidal --base-radius 24 --out OUT": "Write the unit",
     "cam cycloidal --speed 3000 --out OUT": "Write the unit",

@@ -20,6 +20,7 @@ from orchestrator.reporter import Reporter
 from orchestrator.run import assess
 from orchestrator.run.checkpoint import read
 from orchestrator.run.pipeline import resume, run
+from orchestrator.run.simulation import Session
 from orchestrator.scenario.files import load
 from orchestrator.store.journal import Recorded
 from orchestrator.store.output_folder import OutputFolderError
@@ -105,12 +106,9 @@ def test_a_run_that_is_interrupted_at_its_reference_is_whole_and_lacks_the_compa
     with monkeypatch.context() as patched:
         patched.setattr(assess, "solve_reference", Mock(side_effect=KeyboardInterrupt))
         stopped = run(one, out, build_fmu, quiet())
-    assert (stopped.exit_status, stopped.complete, stopped.resumable, stopped.whole) == (
-        130,
-        False,
-        True,
-        True,
-    )
+    assert (stopped.exit_status, stopped.complete) == (130, False)
+    assert stopped.resumable
+    assert stopped.whole
     assert "the run itself is whole, and lacks the comparison" in stopped.message
     assert list((out / "figures").glob("*.png"))
     assert "incomplete" not in (out / "summary.csv").read_text("utf-8")
@@ -175,6 +173,12 @@ def test_the_wall_time_is_that_of_all_processes(killed):
     summary = resume(killed, build_fmu, quiet(), figures=False)
     assert 100.0 < summary.wall_time_s < 400.0
     assert summary.coupled_time_s < summary.wall_time_s
+
+
+def test_a_resumed_run_that_is_stopped_before_it_goes_on_has_the_steps_that_it_had(killed, monkeypatch):
+    monkeypatch.setattr(Session, "begin", Mock(side_effect=KeyboardInterrupt))
+    stopped = resume(killed, build_fmu, quiet(), figures=False)
+    assert stopped.macro_steps == read(killed / "unfinished" / "checkpoint")[1]["made"] > 0
 
 
 def test_a_run_says_where_it_goes_on_and_once_that_processor_or_blas_are_others(killed, monkeypatch):

@@ -28,6 +28,7 @@ from orchestrator.analyses.stability.linear_participants import (
 from orchestrator.analyses.stability.linearisation import Point, linearise, linearise_at
 from orchestrator.analyses.stability.macro_step import predict_errors, sample_trajectory
 from orchestrator.analyses.stability.partition import Partition
+from orchestrator.analyses.stability.survey import round_down
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.participants.in_process import InProcessParticipant as in_process
@@ -371,3 +372,8 @@ def test_growth_of_the_system_itself_is_not_blamed_on_its_coupling():
         np.exp(1e-2 * grows.growth), rel=1e-3
     )
     assert behaviour.evaluate(1e-2).stable
+
+
+@pytest.mark.parametrize(("step", "written"), [(1.99e-5, 1.5e-5), (2e-5, 2e-5), (9.9e-4, 8e-4), (0.0, 0.0)])
+def test_advised_steps_are_round(step, written):
+    assert round_down(step) == written

@@ -117,7 +117,7 @@ def cut_last_turn(motion: Motion, turned: float) -> Motion:
 def tabulate_losses(found: Losses) -> Table:
     """Powers, and the drive torques of the same power, by share."""
     title = "Friction of the whole train, means over that revolution"
-    heads = ("power (W)", "in the motion (W)", "as drive torque (N m)", "%")
+    heads = ("power\n(W)", "in the\nmotion (W)", "as drive\ntorque (N m)", "%")
     table = make_table(title, ["share"], heads)
     table.add_column("parts", overflow="fold")
     rows = [(share, power, found.inside[share]) for share, power in found.shares.items()]

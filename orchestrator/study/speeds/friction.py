@@ -102,7 +102,8 @@ def _list_rows(sheets: Sequence[Sheet]) -> list[tuple[str, list[float]]]:
 def tabulate_sheets(sheets: Sequence[Sheet]) -> Table:
     """Torques in mN m."""
     title, shares = "Friction torque on the drive (mN m), means over the cycle", _list_shares(sheets)
-    table = make_table(title, ["design"], ("r/min", *shares, "sum", DRIVE, WHOLE))
+    heads = [head.replace(" ", "\n") for head in ("r/min", *shares, "sum", DRIVE, WHOLE)]
+    table = make_table(title, ["design"], heads)
     for design, (speed, *torques) in _list_rows(sheets):
         table.add_row(design, f"{speed:.0f}", *(format_number(1e3 * torque, 3) for torque in torques))
     return table
