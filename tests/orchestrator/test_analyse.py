@@ -158,6 +158,11 @@ def test_lists_analyses_and_parameters():
     assert all(name in shown for name in load("trace").parameters)
 
 
+def test_a_setting_is_read_as_toml_where_it_is_toml():
+    said = {"a=1": 1, "a = 0.5": 0.5, "a=true": True, 'a="x"': "x", "a=8 mm": "8 mm", "a=x": "x"}
+    assert {text: parse_setting(text) for text in said} == {text: ("a", one) for text, one in said.items()}
+
+
 def test_poincare_map_ends_early_with_enough_impacts():
     """Counted to the end of a batch of cycles; what is per cycle does not change."""
     values = {"form": "as_published", "damping": 0.25, "gap": 0.015, "transient": 50}
@@ -216,3 +221,16 @@ def test_a_window_is_so_much_smaller_around_the_nearest_point_and_shows_the_poin
     _, axes = create_subplots()
     draw_poincare(axes, theta, rate, window)
     np.testing.assert_array_equal(axes.collections[0].get_offsets(), [[2.0, 0.2]])
+
+
+def test_the_phase_portrait_of_an_analysis_is_cut_where_the_angle_stands_still() -> None:
+    """At impacts: no line leads from before one to after it but the jump's own."""
+    psi, rate = [0.0, 1e-2, 1e-2, 0.0], [1.0, 1.0, -0.9, -0.9]
+    columns = {"theta": [0.0, 1.0, 1.0, 2.0], "psi": psi, "psi_rate": rate, "side": [0.0] * 4, "upper": psi}
+    phase = load("phase")
+    table = xarray.Dataset({name: ("point", values) for name, values in columns.items()})
+    (axes,) = phase.draw(table, phase.complete({})).axes
+    *_, line = axes.lines
+    np.testing.assert_array_equal(line.get_ydata(), [1.0, 1.0, np.nan, -0.9, -0.9])
+    (jump,) = axes.collections[0].get_segments()
+    np.testing.assert_array_equal(jump, [[10.0, 1.0], [10.0, -0.9]])
