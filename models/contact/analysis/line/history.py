@@ -61,18 +61,13 @@ def film_history(
 
 
 def formula_history(
-    formula: str,
-    times: Vector,
-    load: Vector,
-    entraining_velocity: Vector,
-    radius_of_curvature: Vector,
-    film_thickness: float = 1e-6,
+    formula: str, times: Vector, load: Vector, entraining_velocity: Vector, radius_of_curvature: Vector
 ) -> Vector:
     """As `film_history`, the film (m) of one of FILMS with its squeeze term: the contact's relaxation."""
     component = ehl_contact()
     given = dict(zip(_MOTION, (load, entraining_velocity, radius_of_curvature), strict=True))
     chosen = {"film_model": float(list(FILMS).index(formula))}
-    states = _step_through(component, times, given, chosen, film_thickness)
+    states = _step_through(component, times, given, chosen, 1e-6)
     return np.asarray(states[:, component.state.index("film_thickness")])
 
 
