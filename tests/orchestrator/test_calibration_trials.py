@@ -159,12 +159,13 @@ def test_a_measurement_is_planned_so_that_derivatives_say_how_signals_change(tra
 
 @pytest.mark.long
 def test_intervals_of_a_pushrod_train_hold_in_90_of_100_trials_around_the_truth(train):
-    """By the derivatives of its cycles at the truth; errors and half of the intervals stay below 2 %."""
+    """By the derivatives of its cycles at the truth, in 400 trials: of 100 alone one of ten parameters falls
+    below 90 in one case of ten by chance. Errors stay below 2 %."""
     base, open_trial = train
     slopes = open_trial(0).find_slopes(np.ones(len(PARAMETERS)))
     generator = np.random.default_rng(5)
-    held, errors = count_held(Linear(base, slopes), lambda: add_noise(base, generator), 100)
-    assert (held >= 90).all(), held
+    held, errors = count_held(Linear(base, slopes), lambda: add_noise(base, generator), 400)
+    assert (held >= 360).all(), held
     assert np.abs(errors).max() < 0.02
 
 
