@@ -98,7 +98,7 @@ def _shift(closing: bool) -> Callable[[Part], Found]:
                 return NONE
             row = rows[-1] if closing else rows[0] - 1
             share = (OPENED - lift[row]) / (lift[row + 1] - lift[row])
-            passed.append(turn.angle[row] + share * (turn.angle[row + 1] - turn.angle[row]))
+            passed.append(turn.turned[row] + share * (turn.turned[row + 1] - turn.turned[row]))
         return Found(float(passed[0] - passed[1]), int(row)) if passed else NONE
 
     return find

@@ -118,8 +118,8 @@ def _surge(part: Part) -> Found:
 
 def _lift_area(valve: Part) -> Found:
     """Of a turn."""
-    turned = np.nan_to_num(abs(valve.angle[-1] - valve.angle[0])) / (2.0 * math.pi)
-    return Found(float(np.trapezoid(valve["valve_lift"], valve.angle)) / max(1, round(turned)))
+    turns = np.nan_to_num(valve.turned[-1]) / (2.0 * math.pi)
+    return Found(float(np.trapezoid(valve["valve_lift"], valve.turned)) / max(1, round(turns)))
 
 
 def _least_gap(spring: Part) -> Found:

@@ -82,12 +82,17 @@ class Part:
         return angle.factor * self.motion.column(angle.source) if angle else np.nan * self.motion.times
 
     @cached_property
+    def turned(self) -> Vector:
+        """By its cam from the first row on (rad), forwards or backwards."""
+        return np.abs(self.angle - self.angle[0])
+
+    @cached_property
     def last_turn(self) -> "Part | None":
         """The rows of the cam's last whole turn; None where there is none."""
-        begin = self.angle[-1] - 2.0 * math.pi
-        if not self.angle[0] <= begin + SLACK:
+        begin = self.turned[-1] - 2.0 * math.pi
+        if not begin + SLACK >= 0.0:
             return None
-        first = max(0, int(np.searchsorted(self.angle, begin + ROUNDING)) - 1)
+        first = max(0, int(np.searchsorted(self.turned, begin + ROUNDING)) - 1)
         return Part(self.motion.cut(first), self.name)
 
     @cached_property

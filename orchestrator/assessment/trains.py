@@ -186,9 +186,12 @@ def find_angle(system: System, instance: str) -> Angle | None:
 
 
 def find_degrees(angle: Angle, times: float | Sequence[float], column: Callable[[str], Vector]) -> Vector:
-    """The angle in degrees of its turn at times (s), between rows, through which shafts turn evenly."""
-    turned = np.degrees(angle.factor * column(angle.source))
-    return np.asarray(np.interp(times, column("time"), turned) % 360.0)
+    """The angle in degrees of its turn at times (s), between rows, through which shafts turn evenly, and on
+    from the last of a run that broke off after it."""
+    turned, rows = np.degrees(angle.factor * column(angle.source)), column("time")
+    past = np.maximum(0.0, np.asarray(times) - rows[-1])
+    speed = (turned[-1] - turned[-2]) / (rows[-1] - rows[-2]) if past.any() and rows.size > 1 else 0.0
+    return np.asarray((np.interp(times, rows, turned) + speed * past) % 360.0)
 
 
 def list_ratios(system: System) -> list[float]:

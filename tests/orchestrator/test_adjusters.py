@@ -70,12 +70,14 @@ def test_extremes_stand_at_their_rows():
     assert found["largest_gap"].value == 0.0
 
 
-def test_lift_and_timing_are_lost_by_what_the_adjuster_shortens():
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_lift_and_timing_are_lost_by_what_the_adjuster_shortens_in_both_senses(sense):
     """A lift of 8 mm (1 - cos)/2 that loses s at its top and foot: it passes 1 mm by s/(ds/dangle) later, and
     earlier as it closes; the valve keeps the angle where nothing is lost."""
     bump = np.where(LIFTS, 0.5 - 0.5 * np.cos(2.0 * (TURNED - 0.5 * np.pi)), 0.0)
     lost = np.where(LIFTS, 30e-6, 0.0)
-    cam, valve = {"tappet__cam_lift": 8e-3 * bump}, {"valve_spring__valve_lift": 8e-3 * bump - lost}
+    cam = {"tappet__cam_lift": 8e-3 * bump, "tappet__profile_angle": sense * ANGLE}
+    valve = {"valve_spring__valve_lift": 8e-3 * bump - lost}
     found = find(**cam, **valve)
     assert found["lift_loss"].value == pytest.approx(30e-6)
     assert TURNED[found["lift_loss"].row] == pytest.approx(np.pi, abs=2e-3)

@@ -27,7 +27,7 @@ from orchestrator.assessment.merits import (
     write_merits,
 )
 from orchestrator.assessment.motion import Motion
-from orchestrator.assessment.trains import Angle
+from orchestrator.assessment.trains import Angle, find_degrees
 from orchestrator.run.summary import Summary
 from orchestrator.scenario.display import show
 from orchestrator.scenario.files import load
@@ -118,6 +118,12 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
 def test_what_is_wrong_with_a_train_is_named(changed, said):
     """6 deg of the turn are 1.67 %."""
     assert said in told(**changed)
+
+
+def test_what_came_after_the_last_row_of_a_run_that_broke_off_has_its_own_angle():
+    rows = {"time": np.arange(3.0), "cam.angle": np.array([0.0, 1.0, 3.0])}
+    found = find_degrees(Angle("cam_angle", "cam.angle"), [0.5, 2.0, 2.5], rows.__getitem__)
+    np.testing.assert_allclose(np.radians(found), [0.5, 3.0, 4.0])
 
 
 def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_path):
