@@ -13,6 +13,7 @@ from rich.table import Table
 from models.compile.temporary import TemporaryFolder
 
 from ..analyses._evaluate import create_folder, find_results
+from ..assessment.trains import check_lash
 from ..errors import MistakeError, RunError, in_command_line
 from ..masters import MASTERS, find_master
 from ..plots.style import create_subplots, save_figure
@@ -22,7 +23,7 @@ from ..run.pipeline import run
 from ..scenario import Scenario
 from ..scenario.display import SYMBOLS
 from ..scenario.fmu_limits import FmuLimits
-from ..scenario.system import Builder
+from ..scenario.system import Builder, build_system
 from ..scenario.units import choose_time_unit, format_time
 from ..store.csv_file import write_rows
 
@@ -62,6 +63,7 @@ def compare_masters(
     scenario = vary({})
     if not scenario.tolerance or not scenario.reference.enabled:
         raise MistakeError("tolerance: missing; state the error allowed of an output, with the reference")
+    check_lash(build_system(scenario))
     restorable = FmuLimits(scenario).restorable
     names = [name for name in (*MASTERS, *own) if restorable or not find_master(name).implicit]
     longer = (1.0,) if scenario.step_control else LONGER

@@ -45,7 +45,7 @@ MISTAKES = {
         f"{name} pushrod-train --set 'components.valve_spring.parameters.lash=10 mm' --out OUT": (
             "its lash takes 8 mm of the lift of tappet, which is 7.35 mm; lower the lash"
         )
-        for name in ("run", "speeds", "design", "wear", "sensitivities")
+        for name in ("run", "speeds", "design", "wear", "sensitivities", "analyse", "masters")
     },
     "fmu validate none.fmu": "no such file",
     "fmu validate docs": "docs: is a folder; give its files: docs/*.fmu",

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from ...assessment.trains import check_lash
 from ...errors import MistakeError, Option
 from ...reporter import CHOICE, Reporter
 from ...run.plan import plan_participants
@@ -61,6 +62,7 @@ def survey_scenario(
 ) -> Survey:
     """The survey about a scenario's start and these instants (s); `scope` is as in `survey`."""
     scenario, system = resolved.scenario, resolved.system
+    check_lash(system)
     with reporter.stage(CHOICE) as bar:
         plans = plan_participants(scenario, resolved.assembly.linear, None)
         with open_linearisations(scenario, system, plans) as participants:
