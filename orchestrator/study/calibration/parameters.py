@@ -11,6 +11,7 @@ from models.core.quantities import Quantity, Vector
 
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario
+from ...scenario.display import say, show
 from ...scenario.system import list_parameters, list_quantities
 from ...scenario.units import UnitError, to_unit
 
@@ -51,7 +52,7 @@ def choose(scenario: Scenario, wanted: Sequence[str], bounds: Sequence[str] = ()
     if not found:
         raise MistakeError((Option("parameters"), ": names none; e.g. ", Option("parameters", continuous[0])))
     for text in bounds:
-        one = _parse_bounds(text, found)
+        one = _parse_bounds(text, found, quantities)
         found[one.name] = one
     return tuple(found.values())
 
@@ -61,7 +62,7 @@ def _with_range(one: Fitted, quantity: Quantity) -> Fitted:
     return replace(one, low=max(low, LEAST * one.size) if quantity.positive else low, high=high)
 
 
-def _parse_bounds(text: str, fitted: Mapping[str, Fitted]) -> Fitted:
+def _parse_bounds(text: str, fitted: Mapping[str, Fitted], quantities: Mapping[str, Quantity]) -> Fitted:
     option = Option("bounds", text)
     name, equals, ends = (part.strip() for part in text.partition("="))
     if name not in fitted:
@@ -74,14 +75,15 @@ def _parse_bounds(text: str, fitted: Mapping[str, Fitted]) -> Fitted:
         found = replace(one, low=to_unit(low, one.unit), high=to_unit(high, one.unit))
     except UnitError as error:
         raise MistakeError((option, f": {error}")) from None
+    low, high, first, last, start = (
+        say(value, show(quantities[name])) for value in (one.low, one.high, found.low, found.high, one.start)
+    )
     if one.low > found.low or found.high > one.high:
-        raise MistakeError((option, f": {name} may be from {one.low:g} to {one.high:g} {one.unit}"))
+        raise MistakeError((option, f": {name} may be from {low}{f' to {high}' * math.isfinite(one.high)}"))
     if not found.low < found.high:
-        raise MistakeError((option, f": the lower bound {found.low:g} must be below {found.high:g}"))
+        raise MistakeError((option, f": the lower bound {first} must be below {last}"))
     if not found.low <= one.start <= found.high:
-        raise MistakeError(
-            (option, f": the scenario has {name} = {one.start:g} {one.unit}, which is outside; set it inside")
-        )
+        raise MistakeError((option, f": the scenario has {name} = {start}, which is outside; set it inside"))
     return found
 
 
