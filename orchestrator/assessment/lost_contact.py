@@ -74,6 +74,15 @@ def find_lost(table: xarray.Dataset, number: str = "lost") -> NDArray[np.bool_]:
     return np.any(np.reshape(shares, (len(shares), table.sizes["speed"])) > 0.0, axis=0)
 
 
+def bound_speeds(speeds: Vector, separation: float | None) -> Vector:
+    """Ends of the stretches for which ascending speeds stand, in their unit: half-way to the next, but at the
+    separation between two of them."""
+    edges = np.concatenate([speeds[:1], 0.5 * (speeds[1:] + speeds[:-1]), speeds[-1:]])
+    if separation is not None and 0 < (after := int(np.searchsorted(speeds, separation))) < speeds.size:
+        edges[after] = separation
+    return edges
+
+
 # Film variables of a contact.
 FILMS = ("film_thickness", "minimum_film_thickness", "steady_film_thickness", "film_ratio")
 # Of the contact's largest load. Under less, asperities alone hold the surfaces apart: film_ratio rises

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from models.core.quantities import Vector
 
 from ..assessment.friction.losses import describe_content
-from ..assessment.lost_contact import find_lost
+from ..assessment.lost_contact import bound_speeds, find_lost
 from .style import (
     ACCENT,
     COUPLED,
@@ -165,9 +165,7 @@ def plot_over_speed(axes: Axes, table: xarray.Dataset, name: str, scale: float, 
 def shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
     """From the separation, which is marked, or half-way between computed speeds."""
     rpm, lost = RPM * table["speed"].values, find_lost(table)
-    edges = np.concatenate([rpm[:1], 0.5 * (rpm[1:] + rpm[:-1]), rpm[-1:]])
-    if separation is not None and 0 < (after := int(np.searchsorted(rpm, separation))) < rpm.size:
-        edges[after] = separation
+    edges = bound_speeds(rpm, separation)
     for low, high, one in zip(edges[:-1], edges[1:], lost, strict=True):
         if one:
             axes.axvspan(low, high, color=MUTED, alpha=0.2, lw=0.0)

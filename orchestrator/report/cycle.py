@@ -68,7 +68,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
     marks = list_marks(names, lambda part: [])
     content = assemble(bases, variables, sketches, choose(names, PANELS), angle, marks) | {"cycle": cycle}
     title, command = f"{name}: steady cycle", cycle["command"]
-    said = {"name": name, "title": title, "good": True, "verdict": "computing", "command": command}
+    said = {"name": name, "title": title, "kind": "", "verdict": "computing", "command": command}
     return said, content
 
 

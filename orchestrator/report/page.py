@@ -100,7 +100,7 @@ def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dic
         "summary": summary,
         "name": attributes.get("scenario", ""),
         "title": attributes.get("title") or attributes.get("scenario", ""),
-        "good": summary["exit_status"] == 0,
+        "kind": "bad" if summary["exit_status"] != 0 else "good" if errors else "",
         "verdict": _describe_verdict(records, summary),
         "version": summary.get("version", ""),
         "versions": attributes.get("versions", ""),

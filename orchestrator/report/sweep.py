@@ -12,7 +12,7 @@ import xarray
 
 from models.core.quantities import Vector
 
-from ..assessment.lost_contact import find_lost
+from ..assessment.lost_contact import bound_speeds, find_lost
 from ..assessment.trains import find_lost_rows
 from ..errors import MistakeError, Option
 from ..scenario import Scenario, ScenarioError, build_scenario
@@ -45,7 +45,9 @@ def collect_sweep(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         numbers = stored.load().sel(speed=cycles["speed"].values)
     toml = str(summary.get("scenario_toml", ""))
     told = _tell(summary, toml, cycles["speed"].values, folder)
-    return told, _collect(cycles, numbers, _read_scenario(toml))
+    return told, _collect(
+        cycles, numbers, _read_scenario(toml), (summary.get("separation") or {}).get("speed")
+    )
 
 
 def _read_scenario(toml: str) -> Scenario | None:
@@ -66,7 +68,7 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -
     return {
         "name": name,
         "title": f"{name} over speed",
-        "good": not separation or separation["text"].startswith("contact is kept"),
+        "kind": "bad" if separation and not separation["text"].startswith("contact is kept") else "good",
         "verdict": separation["text"] if separation else "no contact can be lost",
         "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
@@ -75,7 +77,10 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -
     }
 
 
-def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario | None) -> dict[str, Any]:
+def _collect(
+    cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario | None, separation: float | None
+) -> dict[str, Any]:  # fmt: skip
+    """`separation` in r/min."""
     speeds = cycles["speed"].values
     finite = [str(n) for n, v in numbers.data_vars.items() if v.dtype.kind == "f" and np.isfinite(v).any()]
     turned = cycles[ANGLE].values
@@ -101,6 +106,7 @@ def _collect(cycles: xarray.Dataset, numbers: xarray.Dataset, scenario: Scenario
             "angle": ANGLE,
             "speeds": speeds.tolist(),
             "lost": find_lost(numbers).tolist(),
+            "edges": bound_speeds(RPM * speeds, separation).tolist(),
             "periods": (2.0 * math.pi / cycles.attrs["cam_ratio"] / speeds).tolist(),
             "maps": choose(names, MAPS) or names[:1],
             "curves": choose(finite, CURVES),

@@ -135,6 +135,8 @@ def test_zoom_move_and_instant_go_through_all_plots(page):
     assert first < float(shown.split(", ")[1].split()[0]) < last
     page.mouse.dblclick(box["x"] + 0.7 * box["width"], box["y"] + 60)
     assert page.evaluate("report.view.shown") == pytest.approx([0.0, 360.0], rel=1e-5)
+    page.evaluate("report.view.xs[0] = -1.4e-4; report.setTime(0)")
+    assert page.locator("#now").text_content() == "0 ms, 0 deg"  # what rounding leaves is not said
 
 
 def test_what_few_ask_for_is_behind_the_rest_in_lists_of_variables(page):
@@ -292,8 +294,13 @@ def test_a_click_on_a_map_and_its_keys_choose_the_speed(sweep_page):
 
 
 def test_speeds_without_contact_are_pale(sweep_page):
-    """And the scale is that of the other speeds, whose largest load is known."""
+    """And the scale is that of the other speeds, whose largest load is known; curves are shaded from the
+    separation, between two speeds, and say where they have no number."""
     settle(sweep_page)
+    assert sweep_page.evaluate("report.drawings.at(-1).told.edges")[2:] == [2700.0, SPEEDS[2] * 30 / np.pi]
+    curve = "report.drawings.at(-1).views.at(-1)"
+    sweep_page.evaluate(f"{curve}.number.values.fill(null) && {curve}.draw(0)")
+    assert sweep_page.evaluate(f"{curve}.reading.textContent") == "none"
     first = "report.drawings.at(-1).views[0].picture.getContext('2d').getImageData(0, 0, 1, 3).data"
     assert sweep_page.evaluate(f"[...{first}].filter((_, at) => at % 4 === 3)") == [70, 255, 255]
     assert sweep_page.evaluate("report.drawings.at(-1).views[0].range[1]") == pytest.approx(

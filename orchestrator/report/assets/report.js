@@ -169,7 +169,8 @@ class ReportPage {
 
   setTime(t) {
     this.now = Math.min(Math.max(t, this.base.times[0]), this.base.end);
-    const [a, b] = this.view.whole, x = this.view.name ? ", " + readable(this.view.at(this.now)) + " " + this.view.unit : "";
+    const [a, b] = this.view.whole, digit = Math.pow(10, Math.floor(Math.log10(b - a)) - 5); // values are rounded
+    const x = this.view.name ? ", " + readable(Math.round(this.view.at(this.now) / digit) * digit) + " " + this.view.unit : "";
     const text = readable(this.view.timeFactor * this.now) + " " + this.view.timeUnit(this.base) + x;
     get("scrub").value = (this.view.at(this.now) - a) / (b - a);
     get("scrub").setAttribute("aria-valuetext", text);

@@ -204,16 +204,16 @@ class Curve extends Chart {
     const f = this.frame = makeFrame(width, height, x, y);
     drawAxes(g, f, x, y, "speed (r/min)", label(v.name, v));
     inside(g, f, () => this.trace(g, f, values));
-    const k = this.sweep.records.chosen, value = readable(values[k]) + (v.unit ? " " + v.unit : "");
+    const k = this.sweep.records.chosen, value = Number.isNaN(values[k]) ? "none" : readable(values[k]) + (v.unit ? " " + v.unit : "");
     drawUpright(g, f, rpm[k], "now");
     this.reading.textContent = value;
     this.canvas.setAttribute("aria-label", v.description + " over speed; at the chosen speed " + value);
   }
 
   trace(g, f, values) {
-    const { rpm, told } = this.sweep, half = 0.5 * (f.right - f.left) / (rpm.length - 1);
+    const { rpm, told } = this.sweep, ends = told.edges.map(f.x);
     g.fillStyle = color("shade");
-    told.lost.forEach((lost, k) => { if (lost) g.fillRect(f.x(rpm[k]) - half, f.top, 2 * half, f.bottom - f.top); });
+    told.lost.forEach((lost, k) => { if (lost) g.fillRect(ends[k], f.top, ends[k + 1] - ends[k], f.bottom - f.top); });
     g.strokeStyle = g.fillStyle = color("coupled"); g.lineWidth = 1.4;
     g.beginPath();
     let down = false;
