@@ -37,6 +37,8 @@ ROUND = 1e-3
 # Cams of valve trains lift over 100 to 150 deg, with long ramps over 170. From here on (rad) the angles may
 # be those of the crank.
 LONGEST_EVENT = math.radians(180.0)
+# A base circle's radius is more than this part of the nose's; a table of lifts goes down to its base circle.
+RADII = 0.5
 # An acceleration that may be off by more than this part of its largest value is doubted.
 UNCERTAIN = 0.05
 LIFT = Kind(
@@ -77,9 +79,22 @@ class LiftTable:
 
         angle, lift, _ = self._fill_gaps()
         try:
-            return smooth_lift(angle, lift, self.rounding)
+            smoothed = smooth_lift(angle, lift, self.rounding)
         except ValueError as error:
             raise AngleTableError(str(error)) from None
+        if smoothed.doubtful:
+            self._check_row(*smoothed.doubtful)
+        return smoothed
+
+    def _check_row(self, angle: float, deviation: float) -> None:
+        """Refuse the row at this angle where it is off the others by more than they lift."""
+        largest = float(self.lift[self.angle != angle].max())
+        if abs(deviation) > largest:
+            value = 1e3 * self.lift[np.argmin(np.abs(self.angle - angle))]
+            raise AngleTableError(
+                f"the row at {math.degrees(angle):.5g} deg lifts by {value:.6g} mm, {1e3 * deviation:.3g} mm "
+                f"off the others, which lift by at most {1e3 * largest:.4g} mm: correct it"
+            )
 
     def _fill_gaps(self) -> tuple[Vector, Vector, list[str]]:
         """The samples with those of the base circle where rows are missing, and what is missing."""
@@ -93,9 +108,12 @@ class LiftTable:
                 added.append((gap.begin + gap.length * share, first + (last - first) * share))
                 notes.append(f"no rows {gap.place}: the cam is round there")
             elif gap.i == self.angle.size - 1 or gap.wide:
+                remedy = "add them, or continue the table to the base circle"
+                if self.lift.min() > RADII * self.lift.max():
+                    remedy = f"if these are radii, subtract the base circle's from all rows; else {remedy}"
                 raise AngleTableError(
                     f"rows are missing {gap.place}, where it lifts by {1e3 * first:g} and {1e3 * last:g} mm: "
-                    "add them, or continue the table to the base circle"
+                    + remedy
                 )
             else:
                 notes.append(f"rows are missing {gap.place}: the lift there is interpolated")
@@ -117,17 +135,22 @@ class LiftTable:
         """What may be wrong with the table."""
         shape = _doubt_zero(smoothed)
         shape = shape or ("" if self.named else _doubt_event(*smoothed.event)) or _doubt_runout(smoothed)
-        accuracy = _doubt_row(smoothed) or self._doubt_curvature(smoothed)  # a wrong row spoils both
-        return [doubt for doubt in (shape, accuracy) if doubt]
+        return [doubt for doubt in (shape, self._doubt_accuracy(smoothed)) if doubt]
 
-    def _doubt_curvature(self, smoothed: SmoothedLift) -> str:
+    def _doubt_accuracy(self, smoothed: SmoothedLift) -> str:
         share = smoothed.curvature_error / float(np.abs(smoothed.points.curvature).max())
-        if share <= UNCERTAIN:
+        doubt = f"the acceleration may be off by {100.0 * share:.0f} % of its largest value"
+        doubt *= share > UNCERTAIN
+        if smoothed.doubtful:
+            angle, deviation = smoothed.doubtful
+            row = f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others"
+            return f"{row}{doubt and ', and '}{doubt}; correct it"
+        if not doubt:
             return ""
         rows, step = math.degrees(float(np.median(np.diff(self.angle)))), 1e3 * self.rounding
         return (
-            f"with rows each {rows:.3g} deg and lifts in steps of {step:.3g} mm the acceleration may be off "
-            f"by {100.0 * share:.0f} % of its largest value; take more rows, or more digits"
+            f"with rows each {rows:.3g} deg and lifts in steps of {step:.3g} mm {doubt}; "
+            "take more rows, or more digits"
         )
 
 
@@ -154,13 +177,6 @@ def _doubt_runout(smoothed: SmoothedLift) -> str:
     )
 
 
-def _doubt_row(smoothed: SmoothedLift) -> str:
-    if not smoothed.doubtful:
-        return ""
-    angle, deviation = smoothed.doubtful
-    return f"the row at {math.degrees(angle):.5g} deg is {1e3 * deviation:.3g} mm off the others; correct it"
-
-
 def _doubt_event(begin: float, end: float) -> str:
     if end - begin <= LONGEST_EVENT:
         return ""
@@ -179,11 +195,16 @@ def read_lift_table(path: Path) -> LiftTable:
     else:
         found = read_angle_table(path, LIFT)
     angle, lift = found.angle, found.value
-    if not lift.max() > 0.0:
-        raise AngleTableError(f"{path}: its largest lift is {1e3 * lift.max():g} mm: must be > 0")
-    if doubt := CAM_LIFT.reason * (not CAM_LIFT.holds(lift.max())):
+    if lift.mean() <= 0.0:
         raise AngleTableError(
-            f"{path}: its largest lift is {1e3 * lift.max():g} mm, but {doubt}; correct the header's unit"
+            f"{path}: its lifts are from {1e3 * lift.min():g} to {1e3 * lift.max() + 0.0:g} mm: must rise "
+            "above 0 from the base circle; change their sign, or subtract the base circle's from all of them"
+        )
+    if doubt := CAM_LIFT.reason * (not CAM_LIFT.holds(lift.max())):
+        at = math.degrees(angle[np.argmax(lift)])
+        raise AngleTableError(
+            f"{path}: its largest lift is {1e3 * lift.max():g} mm, at {at:.5g} deg, but {doubt}; correct the "
+            "header's unit, or this row"
         )
     try:
         angle, lift = _cut_at_a_turn(angle, lift, found.rounding)

@@ -108,7 +108,7 @@ def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, fol
         (lambda lines: [*lines[:9], "nan", *lines[10:]], "line 10, 'nan': must be one lift in inches"),
         (lambda lines: [*lines[:395], "0.3"], "line 396, '0.3': must repeat line 36, '0.0+'"),
         (lambda lines: [], "has 0 lines"),
-        (lambda lines: ["0.0"] * 396, "its largest lift is 0 mm: must be > 0"),
+        (lambda lines: ["0.0"] * 396, "its lifts are from 0 to 0 mm"),
     ],
 )
 def test_bad_s96_files_are_refused_with_the_line(folder: Path, tmp_path: Path, change, said: str) -> None:

@@ -254,14 +254,6 @@ def test_the_analysis_of_a_cam_agrees_with_the_closed_forms_of_the_default(recor
     assert found["shape"] == "convex"
 
 
-def test_a_table_without_lift_is_named(tmp_path):
-    table = tmp_path / "flat.csv"
-    table.write_text("angle [deg], lift [mm]\n" + "".join(f"{a}, -1.0\n" for a in range(0, 360)))
-    analysis = load("cam")
-    with pytest.raises(MistakeError, match="largest lift is -1 mm: must be > 0"):
-        analysis.evaluate(analysis.complete({"lift_table": str(table)}))
-
-
 @pytest.mark.parametrize("base_radius", [12e-3, 13.7e-3, 8e-3])
 def test_an_undercut_cam_has_the_signed_least_radius_that_its_refusal_names(base_radius):
     """Not the sample beside the zero of rho. The default cam's smallest rho is its R0 less 13.757 mm."""

@@ -160,6 +160,23 @@ def test_uneven_and_coarse_tables_without_errors_but_rounding_are_not_doubted(se
         assert table.smooth().doubtful is None
 
 
+@pytest.mark.parametrize(
+    ("lifts", "message"),
+    [
+        (24.0 + lift(ANGLES), "if these are radii, subtract the base circle's from all rows; else add them"),
+        (-lift(ANGLES), "its lifts are from -8 to 0 mm: must rise above 0 .*; change their sign, or"),
+        (np.full(ANGLES.size, -1.0), "its lifts are from -1 to -1 mm"),
+        (lift(ANGLES) + 39.3 * (ANGLES == 150.0), r"150 deg lifts by 41.\d+ mm, 38.8 mm off .* at most 8 mm"),
+        (lift(ANGLES) - 39.3 * (ANGLES == 150.0), "150 deg lifts by -.* mm, -39.* mm off the others"),
+        (lift(ANGLES) + 393.0 * (ANGLES == 150.0), "at 150 deg, but .*; correct .*, or this row"),
+    ],
+)
+def test_lifts_of_no_cam_are_refused_with_their_remedy(tmp_path, lifts, message):
+    """Radii, lifts downwards, and a row that is off the others by more than they lift."""
+    with pytest.raises(AngleTableError, match=message):
+        read(tmp_path, lifts=lifts).smooth()
+
+
 @pytest.mark.parametrize("least", [-0.05, 0.02, 17.0])
 def test_a_table_that_does_not_count_from_the_base_circle_is_doubted(tmp_path, least):
     """As one of radii, or of a gauge that was not set to zero."""
@@ -220,6 +237,7 @@ def test_a_typing_error_is_named_by_its_row(tmp_path, spacing, error, degrees):
     said = list_doubts(tmp_path, row="{0:g}, {1:.2f}", angles=angles, lifts=lifts)
     assert f"the row at {degrees:g} deg is" in said
     assert "more rows" not in said  # its error is not one of the spacing
+    assert "acceleration may be off by" in said
 
 
 @pytest.mark.parametrize("first", [290, 0, 320])
