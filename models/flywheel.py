@@ -9,7 +9,7 @@ from .core import roles
 from .core.bonds import counts_energies
 from .core.component import NO_EVENT, Component, PowerBond, check_sizes
 from .core.integrator import TOLERANCE
-from .core.quantities import Quantity, Vector, layouts
+from .core.quantities import Condition, Quantity, Vector, layouts
 from .plausible import RAMP, SPEED
 
 FREE, PRESCRIBED = 0.0, 1.0
@@ -39,7 +39,12 @@ class Parameters:
 @dataclass
 class State:
     angle: float = kinds.ANGLE("angle of the shaft")
-    speed: float = kinds.SPEED("speed of the free shaft", 1000.0 * math.pi / 30.0, plausible=SPEED)
+    speed: float = kinds.SPEED(
+        "speed of the free shaft",
+        1000.0 * math.pi / 30.0,
+        plausible=SPEED,
+        only=Condition("motion", "free", instead="initial_speed"),
+    )
 
 
 @dataclass

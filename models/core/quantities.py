@@ -45,6 +45,15 @@ class Plausible:
 
 
 @dataclass(frozen=True)
+class Condition:
+    """A value has an effect only where `parameter` is `choice`; elsewhere the parameter `instead` has it."""
+
+    parameter: str
+    choice: str
+    instead: str
+
+
+@dataclass(frozen=True)
 class Quantity:
     """What a number means: unit (SI symbols), description, nominal size and allowed range.
 
@@ -55,7 +64,8 @@ class Quantity:
     it begins as its component lets it and is not set, shown or brought to rest from outside. A state that
     `accumulates` is a sum over time on which no motion depends: steady cycles begin it anew. `same_as`
     names the parameter whose value a scenario takes where this one is not given. A value outside the
-    `plausible` magnitudes is allowed, but probably a slip of the unit.
+    `plausible` magnitudes is allowed, but probably a slip of the unit. A start value may count
+    `only` on a condition.
     """
 
     unit: str
@@ -75,6 +85,7 @@ class Quantity:
     accumulates: bool = False
     same_as: str = ""
     plausible: Plausible | None = None
+    only: Condition | None = None
 
     def of(self, description: str, **changes: Any) -> Quantity:
         """A quantity of this kind, with a description and, where it differs, other fields."""

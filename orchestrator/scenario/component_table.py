@@ -18,8 +18,9 @@ from pydantic.functional_validators import ModelWrapValidatorHandler
 
 from fmus.fmi.origin import is_built_here
 from models.core.component import Component
+from models.core.quantities import Condition
 
-from ..errors import one_of
+from ..errors import Fault, one_of
 from ..participants.description import CO_SIMULATION, Description, read_description
 from ..participants.third_party import ThirdPartyComponent, read_component
 from .arrays import check_resized, check_sizes, spread_arrays, spread_lists
@@ -30,7 +31,16 @@ from .insertions import insert_all
 from .lift_table import LiftSegments
 from .oil import OilSheet, Temperature
 from .third_party_values import check_offsets, convert_enumerations, select_strings
-from .values import SECTIONS, Faults, Value, build_component, list_layouts, parse_values
+from .values import (
+    SECTIONS,
+    Faults,
+    Value,
+    build_component,
+    find_idle,
+    list_layouts,
+    list_names,
+    parse_values,
+)
 from .wire import Wire
 
 BUILT_KINDS = ("fmu", "native")
@@ -202,7 +212,11 @@ class ComponentTable(Table):
             if info.field_name != "start":
                 chosen |= select_strings(component, values, kinds[info.field_name].rpartition(" ")[2])
         others = spread_arrays({key: value for key, value in values.items() if key not in chosen}, layout)
-        tables = {name: other.variables for name, other in layouts.items()}
+        tables = list_names(
+            component, values if info.field_name == "parameters" else info.data.get("parameters", {})
+        )
+        tables |= {name: other.variables for name, other in layouts.items() if name not in SECTIONS}
+        del tables[info.field_name]
         tables["the component's own table, one level up"] = tuple(cls.model_fields)
         return parse_values(layout, others, kinds[info.field_name], tables) | chosen
 
@@ -211,6 +225,9 @@ class ComponentTable(Table):
         component = self.resolve()
         if isinstance(component, ThirdPartyComponent):
             check_resized(component, self.parameters)
+        idle = find_idle(component, self.parameters)
+        if faults := [_refuse_idle(name, idle[name]) for name in self.start if name in idle]:
+            raise Faults(*faults)
         return self
 
     @property
@@ -270,6 +287,14 @@ class ComponentTable(Table):
         """The description of its .fmu file; DescriptionError if it cannot be used."""
         sizes = self.structure if self.third_party else {}
         return read_description(Path(self.participant), self.interface, sizes)
+
+
+def _refuse_idle(name: str, rule: Condition) -> Fault:
+    return Fault(
+        f"start.{name}",
+        f": has no effect, as {rule.parameter} is not {rule.choice!r}",
+        f"set parameters.{rule.instead}, or parameters.{rule.parameter} = {rule.choice!r}",
+    )
 
 
 def _resolve(values: Mapping[str, Any]) -> Component:

@@ -25,7 +25,7 @@ from .extending import EXTENDS, WITHOUT, drop, merge
 from .oil import OILED, evaluate, name_oil
 from .origin import SET, Origin
 from .ssp import read_package as contents_of_package
-from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, list_layouts, to_value
+from .values import ALIKE, SECTIONS, Value, WithUnit, build_component, find_idle, list_layouts, to_value
 
 LISTED: Words = (Command("scenarios"), " lists those shipped")
 
@@ -247,15 +247,19 @@ def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
     *outer, variable = keys
     names, sections = set(outer) - {"components", *SECTIONS}, set(outer) & set(SECTIONS)
     known: dict[str, str] = {}
+    instead: dict[str, str] = {}
     for name, table in content.get("components", {}).items():
         if isinstance(table, dict) and names <= {name} and table.get("component") in CATALOGUE:
             made = build_component(table["component"])
+            for state, rule in find_idle(made, table.get("parameters", {})).items():
+                instead[f"components.{name}.start.{state}"] = f"components.{name}.parameters.{rule.instead}"
             for section, layout in list_layouts(made).items():
                 if section in (sections or SECTIONS):
                     known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}
     close = difflib.get_close_matches(variable, known.values(), 1, ALIKE) if names else []
     found = [path for path, one in known.items() if one == variable or one in close]
-    return (found or [path for path, one in known.items() if variable in one.split("_")])[:3]
+    found = found or [path for path, one in known.items() if variable in one.split("_")]
+    return [instead.get(path, path) for path in found][:3]
 
 
 def has_path(content: Any, path: str) -> bool:

@@ -2,7 +2,7 @@
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
@@ -22,7 +22,7 @@ from .messages import REMEDIES, Location, find_faults
 from .oil import OilSheet, Temperature, share_oil
 from .origin import Origin
 from .revolutions import convert_to_seconds
-from .values import Faults, build_component, find_place, list_layouts
+from .values import Faults, build_component, find_place, list_names
 
 # The comparison has at least this many intervals. An RMS error from n normally distributed values has a
 # standard error of 1 / sqrt(2 n), here 7 %.
@@ -357,14 +357,15 @@ def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:
     return fault
 
 
-def _list_tables(content: Mapping[str, Any], name: str) -> dict[str, tuple[str, ...]]:
+def _list_tables(content: Mapping[str, Any], name: str) -> Mapping[str, Sequence[str]]:
     """The names that the tables of a component know; none where it cannot be built."""
     try:
         component = build_component(str(content["components"][name]["component"]))
     except (KeyError, TypeError, ValueError):
         return {}
-    layouts = list_layouts(component).items()
-    return {f"[components.{name}.{table}]": layout.variables for table, layout in layouts}
+    return list_names(
+        component, content["components"][name].get("parameters", {}), f"[components.{name}.{{}}]"
+    )
 
 
 TABLES: dict[str, type[Table]] = {

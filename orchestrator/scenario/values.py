@@ -9,7 +9,7 @@ from typing import Any
 
 from models.catalogue import CATALOGUE, find_factory, is_own
 from models.core.component import Component
-from models.core.quantities import Layout, Quantity
+from models.core.quantities import Condition, Layout, Quantity
 from models.core.system import suggestion
 
 from ..errors import Fault, MistakeError, list_faults, one_of
@@ -39,6 +39,28 @@ def list_layouts(component: Component) -> dict[str, Layout]:
     """The variables of each of `SECTIONS`."""
     layouts = component.parameters, component.state, component.inputs
     return dict(zip(SECTIONS, layouts, strict=True))
+
+
+def find_idle(component: Component, parameters: Any) -> dict[str, Condition]:
+    """The states whose start values have no effect with these parameters, and the condition that fails."""
+    found, given = {}, parameters if isinstance(parameters, Mapping) else {}
+    for field_ in component.state.fields:
+        if rule := field_.quantity.only:
+            default = component.parameters.field(rule.parameter)
+            if given.get(rule.parameter, to_value(default.quantity, default.start)) != rule.choice:
+                found[field_.name] = rule
+    return found
+
+
+def list_names(component: Component, parameters: Any, table: str = "{}") -> dict[str, Sequence[str]]:
+    """The names that each of `SECTIONS` knows, as `table` writes it. A state without effect is named where
+    what counts instead stands."""
+    idle = find_idle(component, parameters)
+    found: dict[str, Sequence[str]] = {
+        table.format(section): [name for name in layout.variables if section != "start" or name not in idle]
+        for section, layout in list_layouts(component).items()
+    }
+    return found | {f"{table.format('parameters')}, as {rule.instead}": [name] for name, rule in idle.items()}
 
 
 # Begins a note that says what may be wrong with the input; a run repeats it beside its verdict.

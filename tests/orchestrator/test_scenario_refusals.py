@@ -75,6 +75,13 @@ BAD = {
     "components.valve_spring.parameters.k=3e4": ("no such parameter; did you mean spring_rate?",),
     "components.valve_spring.parameters.rate=3e4": ("no such parameter; did you mean spring_rate?",),
     "contact.film_thickness=3e-7": ("did you mean components.contact.start.film_thickness?",),
+    "speed=3500 rpm": ("unknown key 'speed'; did you mean components.flywheel.parameters.initial_speed?",),
+    "components.flywheel.parameters.speed=3500 rpm": ("it belongs in parameters, as initial_speed",),
+    "components.flywheel.speed=3500 rpm": ("did you mean components.flywheel.parameters.initial_speed?",),
+    "components.flywheel.start.speed=3500 rpm": (
+        "--set components.flywheel.start.speed: has no effect, as motion is not 'free'",
+        "set parameters.initial_speed, or parameters.motion = 'free'",
+    ),
     "components.camshaft.parameters.lift_tabel=a.csv": (
         "no such parameter; did you mean lift_table, in the component's own table, one level up?",
     ),
