@@ -3,7 +3,7 @@
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import NamedTuple
@@ -24,7 +24,7 @@ from ...errors import MistakeError, Option, one_of
 from ...reporter import Reporter
 from ...scenario.files import put_parameters
 from ...scenario.system import build_system
-from .subject import SpeedSubject
+from .subject import SpeedSubject, to_motion
 
 # Of the speed (rad/s): 0.1 r/min.
 CLOSE = 0.1 * math.pi / 30.0
@@ -54,7 +54,7 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
         return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
     count = (1 + bool(on_nose.any())) * _count_halvings(speeds)
     try:
-        with _find_losses(subject, "speed of separation", count, reporter) as is_lost:
+        with _find_losses(subject, "speed of separation", count, reporter) as (is_lost, unsteady):
             speed = _bisect(is_lost, speeds, int(np.argmax(lost)), "lost")
             nose = (
                 _bisect(is_lost, speeds, int(np.argmax(on_nose)), "lost_on_nose") if on_nose.any() else None
@@ -64,7 +64,7 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
     again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
     kept = f", and kept again at {list_speeds(again)}" if again.size else ""
     text = f"contact is lost from {speed:.1f} r/min{kept}{_describe_place(table, speed, nose)}"
-    return Separation(round(speed, 2), nose and round(nose, 2), text)
+    return Separation(round(speed, 2), nose and round(nose, 2), text + _doubt(unsteady))
 
 
 def list_speeds(speeds: Vector) -> str:
@@ -96,21 +96,30 @@ def is_separated(motion: Motion, number: str) -> bool:
 @contextmanager
 def _find_losses(
     subject: SpeedSubject, stage: str, count: int, reporter: Reporter
-) -> Iterator[Callable[[float, str], bool]]:
-    """A function of speed (rad/s) and number; what it finds at a speed serves all numbers.
+) -> Iterator[tuple[Callable[[float, str], bool], Collection[float]]]:
+    """A function of speed (rad/s) and number, and the speeds at which it found no steady cycle; what it finds
+    at a speed serves all numbers.
 
     A stage shows the progress, of about `count` cycles.
     """
     with reporter.stage(stage) as bar:
-        done = itertools.count(1)
+        done, unsteady = itertools.count(1), set[float]()
 
         @functools.cache
         def measure(speed: float) -> dict[str, bool]:
-            motion = subject.find_motion_at(speed)
+            cycle = subject.find_cycle_at(speed)
+            if not cycle.steady:
+                unsteady.add(speed)
             bar.show(min(0.99, next(done) / count))
+            motion = to_motion(cycle, subject.flywheel)
             return {number: is_separated(motion, number) for number in ("lost", "lost_on_nose")}
 
-        yield lambda speed, number: measure(speed)[number]
+        yield (lambda speed, number: measure(speed)[number]), unsteady
+
+
+def _doubt(unsteady: Collection[float]) -> str:
+    """The end of a verdict that rests on motions without a steady cycle, at these speeds (rad/s)."""
+    return f"; judged without a steady cycle at {list_speeds(np.array(sorted(unsteady)))}" if unsteady else ""
 
 
 def _count_halvings(speeds: Vector) -> int:
@@ -180,12 +189,14 @@ def find_second(
         return round(_bisect(is_lost, speeds, i, number), 2)
 
     try:
-        with _find_losses(second, f"speed of separation with {film}", count, reporter) as is_lost:
+        stage = f"speed of separation with {film}"
+        with _find_losses(second, stage, count, reporter) as (is_lost, unsteady):
             speed = find(is_lost, "lost", first.speed)
             nose = find(is_lost, "lost_on_nose", first.nose_speed) if first.nose_speed and speed else None
     except ModelError as error:
         return Separation(None, None, f"with film_model = {film} no speed of separation was found: {error}")
-    return Separation(speed, nose, f"with film_model = {film} {_describe_second(first, speed, nose)}")
+    verdict = _describe_second(first, speed, nose) + _doubt(unsteady)
+    return Separation(speed, nose, f"with film_model = {film} {verdict}")
 
 
 def find_first(lost: Callable[[int], bool], near: int, count: int) -> int | None:
