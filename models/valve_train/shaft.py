@@ -91,10 +91,8 @@ class Outputs:
     cam_angle: Vector = kinds.ANGLE.each("angle of the shaft at a cam", "cams")
     cam_speed: Vector = kinds.SPEED.each("speed of the shaft at a cam", "cams")
     twist: Vector = kinds.ANGLE.each("twist of the shaft at a cam", "cams", nominal=1e-3)
-    axis_x: Vector = kinds.PLACE.each(
-        "displacement of a cam across its follower's path", "cams", nominal=1e-5
-    )
-    axis_y: Vector = kinds.PLACE.each("displacement of a cam towards its follower", "cams", nominal=1e-5)
+    axis_x: Vector = kinds.DEFLECTION.each("displacement of a cam across its follower's path", "cams")
+    axis_y: Vector = kinds.DEFLECTION.each("displacement of a cam towards its follower", "cams")
     axis_velocity_x: Vector = kinds.VELOCITY.each("rate of axis_x", "cams", nominal=0.1)
     axis_velocity_y: Vector = kinds.VELOCITY.each("rate of axis_y", "cams", nominal=0.1)
     drive_torque: float = kinds.TORQUE("torque taken from the drive")

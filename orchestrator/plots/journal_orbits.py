@@ -4,11 +4,11 @@ The bush has its oil grooves, and the direction of the largest load on it.
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle
 
 from models.core.quantities import Vector
 
@@ -54,33 +54,37 @@ def draw(data: FigureData) -> Figure:
     names = [name for name in every if name in names[:COLUMNS]]
     which = f", {len(names)} of {len(every)} with the least film" if len(every) > COLUMNS else ""
     title = f"{data.title}: journals in their bushes{which}"
-    size = (0.8 + 4.0 * len(names), 9.6)
+    size = (0.4 + 3.6 * len(names), 10.6)
     figure, axes = create_subplots(3, len(names), title, size, squeeze=False, height_ratios=(3, 3, 2))
     for (above, magnified, below), name in zip(axes.T, names, strict=True):
         orbit = find_orbit(data, name)
         _draw_orbit(above, orbit, (0.0, 0.0), 1.08)
         above.set_title(name.replace("_", " "), loc="left")
+        _draw_arc(above, 0.0, 360.0, color=MUTED, lw=1.0, label="bush")
         _draw_grooves(above, data, name)
         _draw_load(above, data, name)
         middle = [0.5 * float(np.min(part) + np.max(part)) for part in orbit]
         reach = 0.6 * max(float(np.ptp(part)) for part in orbit)
         _draw_orbit(magnified, orbit, middle, max(reach, LEAST_REACH))
-        magnified.set_xlabel("Eccentricity over clearance")
+        magnified.set_title("enlarged", loc="left", fontsize=9.0)
         plot_both(below, data.of(name), f"{name}.minimum_film_thickness", "Least film")
         below.set_ylim(bottom=0.0)
+        below.set_box_aspect(2 / 3)  # as wide as the squares of the orbits
+        below.set_anchor("W")
         label_abscissa(below, data.of(name))
     found = list_handles([axes[2, 0], axes[0, 0]])
-    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=len(found))
+    columns = min(len(found), 3 * len(names))
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=columns)
     return figure
 
 
 def _draw_orbit(axes: Axes, orbit: tuple[Vector, Vector], middle: Sequence[float], reach: float) -> None:
     """The part of it that is at most `reach` from the middle, along x and y."""
     x, y = orbit
-    axes.add_patch(Circle((0.0, 0.0), 1.0, fill=False, color=MUTED, label="bush"))
     axes.plot(x, y, color=COUPLED, lw=0.9)
     axes.plot(x[:1], y[:1], "o", color=ACCENT, ms=3.5, label="start")
-    axes.set(aspect="equal")
+    axes.set(aspect="equal", xlabel="Eccentricity over clearance, x", ylabel="Eccentricity over clearance, y")
+    axes.set_anchor("W")
     axes.set_xlim(middle[0] - reach, middle[0] + reach)
     axes.set_ylim(middle[1] - reach, middle[1] + reach)
 
@@ -93,10 +97,13 @@ def _draw_grooves(axes: Axes, data: FigureData, bearing: str) -> None:
         return
     middle, width = (np.degrees(data.parameters[f"{bearing}.groove_{name}"]) for name in ("angle", "width"))
     for begin in (middle - 0.5 * width, middle + 180.0 - 0.5 * width):
-        arc = Arc(
-            (0.0, 0.0), 2.0, 2.0, theta1=begin, theta2=begin + width, color=ACCENT, lw=5.0, label="groove"
-        )
-        axes.add_patch(arc)
+        _draw_arc(axes, begin, begin + width, color=ACCENT, lw=5.0, solid_capstyle="butt", label="groove")
+
+
+def _draw_arc(axes: Axes, begin: float, end: float, **style: Any) -> None:
+    """Of the bush, between two angles (deg)."""
+    angle = np.radians(np.linspace(begin, end, 181))
+    axes.plot(np.cos(angle), np.sin(angle), **style)
 
 
 def _draw_load(axes: Axes, data: FigureData, bearing: str) -> None:

@@ -84,7 +84,8 @@ def draw(data: FigureData) -> Figure:
 
 
 def _draw_panel(ax: Axes, data: FigureData, names: list[str], variable: str) -> None:
-    for name, colour in zip(names[:LINES], COLOURS, strict=False):
+    shown = sorted(names[:LINES], key=list(data.coupled).index)
+    for name, colour in zip(shown, COLOURS, strict=False):
         factor, _ = data.shown(name)
         if name in data.reference:
             ax.plot(data.x(True), factor * data.reference[name], color=colour, alpha=0.3, lw=3.4)

@@ -136,15 +136,17 @@ def create_panels(rows: int, data: FigureData, title: str, height: float = 1.75)
 def label_abscissa(axes: Axes, data: FigureData) -> None:
     """Set label, limits and ticks of the abscissa."""
     variable, label = data.abscissa()
-    x = data.x()
+    ends = data.x()[[0, -1]]
     axes.set_xlabel(label)
-    axes.set_xlim(x[0], x[-1])
     if variable:
-        turns = (x[-1] - x[0]) / 360.0
+        quarters = 90.0 * np.round(ends / 90.0)  # bent shafts and rounding end within a hair of them
+        ends = np.where(np.abs(ends - quarters) < 1e-3 * np.ptp(ends), quarters, ends)
+        turns = (ends[1] - ends[0]) / 360.0
         if turns >= 0.75:  # of less, the multiples of 90 degrees would be few or none
             axes.xaxis.set_major_locator(
                 MultipleLocator(90.0 if turns <= 3.0 else 180.0 if turns <= 6.0 else 720.0)
             )
+    axes.set_xlim(*ends)
 
 
 def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:

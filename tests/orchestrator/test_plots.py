@@ -238,7 +238,9 @@ def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncin
     one = difference.draw(replace(bouncing, coupled=bouncing.coupled | off))
     assert len(one.axes) == 1  # no panel for a variable without an error
     off["contact.film_thickness"] = bouncing.coupled["contact.film_thickness"] * 1.01
+    off["camshaft.cam_angle"] = 0.9999 * bouncing.coupled["camshaft.cam_angle"]  # of a soft shaft
     figure = difference.draw(replace(bouncing, coupled=bouncing.coupled | off))
+    assert figure.axes[0].get_xlim() == (0.0, 360.0)
     assert [ax.get_title(loc="left") for ax in figure.axes] == ["contact.load", "contact.film_thickness"]
     error, allowed = figure.axes[0].lines
     spread = np.std(bouncing.reference["contact.load"])  # records at equal distances
@@ -267,6 +269,9 @@ def test_what_no_other_figure_draws_is_drawn_by_variable(bouncing):
     assert [ax.get_ylabel() for ax in solution.draw(bare).axes] == ["position", "velocity", "tyre_force"]
     assert set(solution.choose_panels(alone)) == {"position", "velocity", "tyre_force"}
     assert [ax.get_ylabel() for ax in solution.draw(data).axes] == ["position (m)", "velocity (m)"]
+    one = replace(data, tolerance={"wheel.position": 1e-3}, drivers={"wheel.road": "chassis.position"})
+    (legend,) = (ax.get_legend() for ax in solution.draw(one).axes)
+    assert [text.get_text() for text in legend.get_texts()] == ["chassis", "wheel"]  # in the scenario's order
     assert not solution.applies(bouncing)  # at a constant speed
 
 
@@ -300,20 +305,22 @@ def test_orbits_are_in_parts_of_the_clearance():
     assert journal_orbits.applies(data)
     figure = journal_orbits.draw(data)
     above, magnified, _ = figure.axes
-    assert above.get_title(loc="left") == "bearing 1"
     assert magnified.get_xlim() == pytest.approx((-0.48, 0.48), abs=1e-3)  # 1.2 times the orbit
     assert above.get_title(loc="right").startswith("largest load 6 N")
     assert above.lines[-1].get_xydata()[1] == pytest.approx([0.6, -0.8])  # on the bush
-    assert len(above.patches) == 1
+    assert [ax.get_title(loc="left") for ax in (magnified, above)] == ["enlarged", "bearing 1"]
+    assert [sum(line.get_label() == "bush" for line in ax.lines) for ax in (above, magnified)] == [1, 0]
+    figure.draw_without_rendering()
+    left, right = ([getattr(ax.bbox, end) for ax in figure.axes] for end in ("x0", "x1"))
+    assert max(np.ptp(left), np.ptp(right)) < 1.0, "panels of a column stand in line"  # pixels
     labels = {text.get_text() for text in figure.legends[0].get_texts()}
     assert labels >= {"coupled", "bush", "start"}
     given = {"film_model": 2.0, "groove_angle": np.radians(30.0), "groove_width": np.radians(20.0)}
     own = data.parameters | {f"bearing_1.{name}": value for name, value in given.items()}
-    _, *grooves = journal_orbits.draw(replace(data, parameters=own)).axes[0].patches
-    assert [(arc.theta1, arc.theta2) for arc in grooves] == [
-        pytest.approx((20, 40)),
-        pytest.approx((200, 220)),
-    ]
+    drawn = journal_orbits.draw(replace(data, parameters=own)).axes[0].lines
+    grooves = [line.get_xydata()[[0, -1]] for line in drawn if line.get_label() == "groove"]
+    ends = [np.degrees(np.arctan2(arc[:, 1], arc[:, 0])) % 360.0 for arc in grooves]
+    np.testing.assert_allclose(ends, [(20.0, 40.0), (200.0, 220.0)])
     hidden = {"pin.eccentricity_ratio": coupled["bearing_1.eccentricity_ratio"]}
     assert not journal_orbits.applies(build_data("roller-friction", time, hidden)), "the place is not shown"
 
