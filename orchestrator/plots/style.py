@@ -43,6 +43,9 @@ RC: dict[Any, Any] = {
     "savefig.dpi": 200,
 }
 
+# Curves that stay below this in their units are zero but for rounding.
+NOTHING = 1e-12
+
 
 def save_figure(make: Callable[[], Figure], path: Path, dpi: float | None = None) -> Path:
     """Make the figure in this style and save it, with the style's dots per inch where none are given."""
@@ -159,6 +162,8 @@ def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:
         )  # fmt: skip
     axes.plot(data.x(), factor * data.coupled[name], color=COUPLED, lw=1.1, label=data.names[0])
     axes.set_ylabel(data.label(name, words))
+    if np.abs(axes.dataLim.intervaly).max() < NOTHING:
+        axes.update_datalim(((data.x()[0], -1.0), (data.x()[0], 1.0)))
 
 
 def shade(axes: Axes, data: FigureData, contact: str) -> None:

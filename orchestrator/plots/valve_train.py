@@ -95,9 +95,10 @@ def draw(data: FigureData) -> Figure:
                 write_remark(ax, "not at rest, where it has no sign")
     by_words = dict(zip(columns[0], axes[:, 0], strict=False))
     _add_kinematics(by_words, own, train)
-    _add_margin(by_words["Spring force"], own, train)
+    place = f" in {which.partition(' of ')[0]}" if which.startswith("revolution") else ""
+    _add_margin(by_words["Spring force"], own, train, place)
     _magnify_seat(by_words["Lift, magnified"], own, train)
-    _remark_adjuster(by_words, own, train)
+    _remark_adjuster(by_words, own, train, data, place)
     losses = [loss for loss in list_losses(train.system) if loss.part in train.parts]
     if losses and "Cam torque" in by_words:
         write_remark(by_words["Cam torque"], describe_content(name_outside(losses)))
@@ -230,7 +231,7 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
         write_remark(ax, where)
 
 
-def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
+def _add_margin(ax: Axes, data: FigureData, train: Train, place: str) -> None:
     """The load that opens the valve beside the spring's force, and the spring margin."""
     load = data.drivers.get(f"{train.valve}.load", "") if train.list_parts(roles.Valve) else ""
     load = load or f"{train.contacts[0]}.load"
@@ -240,21 +241,24 @@ def _add_margin(ax: Axes, data: FigureData, train: Train) -> None:
     ax.plot(data.x(), data.coupled[load], color=ACCENT, lw=1.0, label="load that opens the valve")
     share, at = _measure(data, train, "spring_margin")
     if at is not None:
-        write_remark(ax, f"spring margin {100.0 * share:.3g} % at {data.x()[at]:.1f}°")
+        write_remark(ax, f"spring margin {100.0 * share:.3g} % at {data.x()[at]:.1f}°{place}")
 
 
-def _remark_adjuster(panels: Mapping[str, Axes], data: FigureData, train: Train) -> None:
-    """Its leak and growth in the turn, the highest pressure, and how long the check valve is open."""
+def _remark_adjuster(
+    panels: Mapping[str, Axes], data: FigureData, train: Train, whole: FigureData, place: str
+) -> None:
+    """Its highest pressure, and of the whole run's last turn leak, growth, and how long the check valve is
+    open."""
     for name in train.list_parts(roles.Adjuster)[:1]:
-        found = {figure: find(Part(data.motion, name)) for figure, (_, find) in ADJUSTER.items()}
-        highest = found["chamber_pressure"]
-        most = f"at most {1e-6 * highest.value:.3g} MPa at {data.x()[highest.row]:.1f}°"
+        highest = ADJUSTER["chamber_pressure"][1](Part(data.motion, name))
+        found = {figure: find(Part(whole.motion, name)) for figure, (_, find) in ADJUSTER.items()}
+        most = f"at most {1e-6 * highest.value:.3g} MPa at {data.x()[highest.row]:.1f}°{place}"
         if math.isnan(found["leak_down"].value):
             write_remark(panels["Adjuster\npressure"], most)
             continue
         opened, leak = 100.0 * found["check_valve_open"].value, 1e6 * found["leak_down"].value
         grows = describe_growth(found["growth"].value, found["held_open"].value)
-        write_remark(panels["Adjuster\npressure"], f"{most}; check valve open in {opened:.3g} % of the turn")
+        write_remark(panels["Adjuster\npressure"], f"{most}; check valve open in {opened:.3g} %")
         write_remark(panels["Adjuster\nextension"], f"leaks {leak:.3g} µm in the turn; {grows}")
 
 

@@ -198,9 +198,9 @@ def change(content: dict[str, Any], values: Mapping[str, Any]) -> None:
         place, _, key = path.rpartition(".")
         described = place.endswith((".parameters", ".structure", ".inputs", ".start")) or path == "stop_time"
         if described and content.get("description") and isinstance(value, str | float | int):
-            text, _, changed = str(content["description"]).partition("; with ")
+            text, _, changed = str(content["description"]).partition("; changed: ")
             known = [one for one in changed.split(", ") if one and not one.startswith(f"{key} = ")]
-            content["description"] = f"{text}; with {', '.join([*known, f'{key} = {value}'])}"
+            content["description"] = f"{text}; changed: {', '.join([*known, f'{key} = {value}'])}"
 
 
 def put(content: dict[str, Any], values: Mapping[str, Any]) -> None:

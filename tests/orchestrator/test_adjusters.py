@@ -10,8 +10,11 @@ from models.core import roles
 from orchestrator.assessment.adjusters import ADJUSTER, UNHELD, describe_growth, describe_over_speed
 from orchestrator.assessment.merits import describe_adjusters, list_merits, read_motion
 from orchestrator.assessment.motion import Part
+from orchestrator.plots import valve_train
+from orchestrator.plots.data import FigureData
+from orchestrator.scenario import parse_ends
 from orchestrator.scenario.files import load
-from orchestrator.scenario.system import build_system
+from orchestrator.scenario.system import build_system, list_outputs, list_parameters
 
 SYSTEM = build_system(load("direct-acting-hla"))
 AREA = 0.25 * np.pi * 9e-3**2
@@ -57,6 +60,22 @@ def test_leak_and_intake_move_the_plunger_by_their_volume_over_its_area():
     assert found["intake"].value == pytest.approx(20.0 * LEAK * 0.0015 / AREA, rel=1e-2)
     assert found["check_valve_open"].value == pytest.approx(9.0 / 360.0, rel=1e-2)
     assert TURNED[found["intake"].row] == pytest.approx(1.5 * np.pi, abs=2e-3)
+
+
+def test_the_figure_of_the_train_has_the_leak_and_the_openings_of_the_run():
+    """Not those of its revolution, whose rows lack the end of the turn."""
+    scenario = load("direct-acting-hla")
+    quantities = list_outputs(scenario)
+    data = FigureData(
+        title="", time=TIME, coupled={name: read_columns()(name) for name in quantities}, reference_time=TIME,
+        reference={}, quantities=quantities, parameters=list_parameters(scenario), system=SYSTEM,
+        drivers={target: source for source, target in map(parse_ends, scenario.connections)}, tolerance={},
+    )  # fmt: skip
+    remarks = [ax.get_title(loc="right") for ax in valve_train.draw(data).axes]
+    found = find()
+    opened, leak = 100.0 * found["check_valve_open"].value, 1e6 * found["leak_down"].value
+    assert any(text.endswith(f"check valve open in {opened:.3g} %") for text in remarks)
+    assert any(text.startswith(f"leaks {leak:.3g} µm in the turn") for text in remarks)
 
 
 def test_extremes_stand_at_their_rows():

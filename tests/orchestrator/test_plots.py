@@ -184,6 +184,16 @@ def test_the_last_whole_revolution_is_drawn_from_zero(bouncing, long):
     assert which == "revolution 2 of 2"
     assert own.x()[[0, -1]] == pytest.approx([0.0, 360.0], abs=0.51)
     np.testing.assert_array_equal(own.coupled["contact.load"][:720], bouncing.coupled["contact.load"][:720])
+    remarks = [ax.get_title(loc="right") for ax in valve_train.draw(long).axes]
+    (margin,) = [text for text in remarks if text.startswith("spring margin")]
+    assert margin.endswith("° in revolution 2")
+
+
+def test_a_friction_of_nothing_but_rounding_is_drawn_as_zero(bouncing):
+    tiny = bouncing.coupled | {"contact.friction_force": 1e-17 * np.sin(np.arange(721.0))}
+    figure = valve_train.draw(replace(bouncing, coupled=tiny, reference=tiny))
+    (friction,) = [ax for ax in figure.axes if ax.get_ylabel().startswith("Friction")]
+    assert friction.get_ylim() == pytest.approx((-1.1, 1.1))
 
 
 def test_over_the_crank_a_revolution_of_the_cam_has_720_degrees(long):

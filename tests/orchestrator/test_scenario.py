@@ -291,8 +291,8 @@ def test_a_changed_value_is_named_in_the_description():
     speed = "components.flywheel.parameters.initial_speed"
     changed = load("valve-train", [f"{speed}=2000 rpm", f"{speed}=3000 rpm", "stop_time=20 ms"])
     assert changed.description == (
-        "Valve train with rigid camshaft at 1000 r/min, two revolutions; with initial_speed = 3000 rpm, "
-        "stop_time = 20 ms"
+        "Valve train with rigid camshaft at 1000 r/min, two revolutions; changed: initial_speed = 3000 "
+        "rpm, stop_time = 20 ms"
     )
     assert load("valve-train", ["master.name=jacobi"]).description == load("valve-train").description
 

@@ -123,7 +123,7 @@ class Contact {
     this.drawScales(g, width, height, x, high);
   }
 
-  // What a length and the highest pressure of the run are.
+  // What a length and the highest pressure of the recorded rows are.
   drawScales(g, width, height, x, high) {
     const long = ticks(0, this.width, 2)[1] || this.width;
     g.fillStyle = g.strokeStyle = color("ink"); g.lineWidth = 1; g.textBaseline = "alphabetic"; g.textAlign = "left";
@@ -132,7 +132,7 @@ class Contact {
     g.setLineDash([2, 4]);
     g.beginPath(); g.moveTo(0, high(this.pressure)); g.lineTo(width, high(this.pressure)); g.stroke();
     g.setLineDash([]);
-    g.fillText(readable(1e-6 * this.pressure) + " MPa", 8, high(this.pressure) + 14);
+    g.fillText(readable(1e-6 * this.pressure) + " MPa, the highest recorded", 8, high(this.pressure) + 14);
   }
 
   // The gap of a contact without load; NaN where the result lacks it. Without retreat the other surface rests.
