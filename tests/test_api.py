@@ -13,6 +13,7 @@ import pytest
 import xarray
 
 import tribocosim
+from models.core.remedies import in_command_line
 from tribocosim.reporting import SilentReporter
 
 from .orchestrator.commands import called
@@ -149,8 +150,11 @@ def test_a_run_that_fails_keeps_what_it_computed(tmp_path: Path) -> None:
     master = {"name": "jacobi", "extrapolation": "hermite"}
     steps = {"macro_step": "100 ms", "output_step": "100 ms"}
     unstable = tribocosim.load("quarter-car").with_({**steps, "master": master})
-    with pytest.raises(tribocosim.RunError, match="unstable coupling"):
+    with pytest.raises(tribocosim.RunError, match="unstable coupling") as error:
         tribocosim.run(unstable, tmp_path / "run")
+    assert "; halve them with with_({'macro_step': '0.05 s'}), let " in str(error.value)
+    assert " with with_({'master.name': 'auto'}), use " in str(error.value)
+    assert "--set 'macro_step=0.05 s'" in in_command_line(error.value.words)
     assert np.all(np.isfinite(tribocosim.open(tmp_path / "run").coupled["chassis.position"]))
 
 

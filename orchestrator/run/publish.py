@@ -142,11 +142,12 @@ def _draw(folder: Path, figures: bool, reporter: Reporter) -> None:
 
 
 def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:
-    """Why it is incomplete, the engineering result, verdict and largest error, and where the report is."""
+    """How far it came, the engineering result, verdict and largest error, and where the report is; why it is
+    incomplete is for the caller to say."""
     told = list(summary.tell())
     if not summary.complete:
         reached = f", to t = {summary.steps.end:.6g} s" if summary.steps else ""
-        reporter.line((summary.message, f"; it made {tally(summary.macro_steps, 'macro step')}{reached}"))
+        reporter.line(f"incomplete: the run made {tally(summary.macro_steps, 'macro step')}{reached}")
         if told and not summary.whole:
             reporter.line("what follows is of a run that broke off, up to there:")
     for line in told:

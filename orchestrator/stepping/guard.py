@@ -7,6 +7,7 @@ import numpy as np
 
 from models.compile.array_pointers import ArrayPointers, numbers, table
 from models.compile.compiled import compiled
+from models.core.remedies import Set
 
 from ..engine.coupling import Coupling
 from ..engine.signals import STEPWISE, parabola
@@ -71,11 +72,13 @@ class RunawayGuard:
         worst = _judge(self._memory.record, self._coupling.state.history.count, time, self.BOUND, share)
         if worst >= 0:
             source = self._coupling.wiring.sources[worst]
-            remedies = ["reduce macro_step", *self._remedies()]
             raise UnstableCouplingError(
                 f"{source}: unstable coupling at t = {time:.6g} s: its values do not follow their "
                 f"own prediction any more; {find_name(self._master)} cannot couple this system with steps "
-                f"of {step:g} s: {' or '.join(remedies)}"
+                f"of {step:g} s",
+                ("halve them with ", Set("macro_step", f"{step / 2.0:.4g} s")),
+                ("let stable ones be chosen with ", Set("master.name", "auto")),
+                *self._remedies(),
             )
 
     def _remedies(self) -> list[str]:

@@ -188,9 +188,10 @@ def test_ctrl_c_and_sigterm_keep_what_was_computed(asked, tmp_path):
         process.send_signal(asked)
     printed, errors = process.communicate(timeout=60)
     assert process.returncode == 128 + asked, errors
-    said = ["incomplete: interrupted; it made ", "of a run that broke off", "contact: kept, least load of "]
+    said = ["incomplete: the run made ", "of a run that broke off", "contact: kept, least load of "]
     assert sorted(said, key=printed.index) == said
     assert errors.startswith("tribocosim: incomplete: interrupted")
+    assert "interrupted" not in printed
     assert f"tribocosim resume {out} " in errors
     summary = json.loads((out / "summary.json").read_text())
     assert summary["complete"] is False
