@@ -4,7 +4,7 @@ from pathlib import Path
 
 from models.compile.temporary import TemporaryFolder
 from orchestrator.reporter import DRAWING, PAGE, Reporter
-from orchestrator.store.output_folder import REPORT, SCENARIO, STORE
+from orchestrator.store.output_folder import REPORT, SCENARIO, STORE, check_swept
 from orchestrator.store.result_file import find_result
 
 from .scenario import load
@@ -20,8 +20,8 @@ def draw_page(folder: Path, path: Path | None, cycle: bool, reporter: Reporter) 
     target = path / (CYCLE if cycle else REPORT) if path and path.is_dir() else path
     if cycle:
         return write_cycle_page(folder, target, reporter)
-    if not (folder / STORE).exists():
-        find_result(folder)  # else a stage would begin before the mistake is told
+    check = check_swept if (folder / STORE).exists() else find_result
+    check(folder)  # else a stage would begin before the mistake is told
     with reporter.stage(PAGE if path else DRAWING):
         return draw_anew(folder, target)
 

@@ -14,10 +14,10 @@ from models.core.quantities import Vector
 
 from ..assessment.lost_contact import bound_speeds, find_lost
 from ..assessment.trains import find_lost_rows
-from ..errors import MistakeError, Option
+from ..errors import Option
 from ..scenario import Scenario, ScenarioError, build_scenario
 from ..scenario.system import build_system
-from ..store.output_folder import CYCLES, STORE, SUMMARY, SWEPT
+from ..store.output_folder import CYCLES, STORE, SUMMARY, SWEPT, check_swept
 from .content import assemble, choose, describe, list_marks, read_film
 from .mechanism import list_sketches
 from .packing import list_spans, pack
@@ -36,8 +36,7 @@ def collect_sweep(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
     MistakeError if there are not two cycles, so that nothing spans angle and speed.
     """
-    if not (folder / CYCLES).is_file():
-        raise MistakeError(f"{folder}: has no {CYCLES}; a report needs the cycles of two speeds at least")
+    check_swept(folder)
     summary = json.loads((folder / SUMMARY).read_text("utf-8"))
     with xarray.open_dataset(folder / CYCLES, engine="h5netcdf") as stored:
         cycles = stored.load()

@@ -163,6 +163,14 @@ def list_files(out: Path) -> list[Path]:
     return [path for path in [*(out / name for name in WRITTEN), *figures] if path.exists()]
 
 
+def check_swept(folder: Path) -> None:
+    """MistakeError unless the sweep in the folder ended with cycles over angle and speed."""
+    if not (folder / SUMMARY).is_file():
+        raise MistakeError(f"{folder}: its sweep broke off; the same command continues it")
+    if not (folder / CYCLES).is_file():
+        raise MistakeError(f"{folder}: has no {CYCLES}; a report needs the cycles of two speeds at least")
+
+
 def refuse_missing(folder: Path) -> None:
     """MistakeError if there is nothing of that name."""
     if not folder.exists():

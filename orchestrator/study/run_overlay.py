@@ -85,7 +85,10 @@ def overlay(first: Path, second: Path, out: Path, names: tuple[str, str]) -> Pat
     parts = {part for train in one.trains for part in train.parts}
     wanted = [name for name in one.coupled if name.split(".")[0] in parts]
     if missing := [name for name in wanted if name not in other.coupled]:
-        raise MistakeError(f"{second}: has no {missing[0]}, which {first} has; compare runs of one train")
+        raise MistakeError(
+            f"{second}: is a run of another train than {first}, without its {missing[0]}",
+            "compare runs of one train",
+        )
     both = replace(
         one, title=" and ".join(names), names=names, reference=other.coupled, reference_time=other.time
     )

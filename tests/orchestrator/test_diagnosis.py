@@ -334,7 +334,9 @@ def test_a_killed_run_is_diagnosed_from_its_journals(finished, tmp_path):
     for name in ("end", "length", "iterations", "rejected", "error", "source", "reason", "parts"):
         np.testing.assert_array_equal(getattr(found, name), getattr(steps, name))
     (tmp_path / SCENARIO).write_text(to_full_toml(load("valve-train-controlled")), "utf-8")
-    assert "was killed" in diagnose(tmp_path).lines[3]
+    found = diagnose(tmp_path)
+    assert "was killed" in found.lines[3]
+    assert found.suggestions[-1].startswith(f"`tribocosim resume {tmp_path}` ends the run and compares it")
 
 
 def test_what_is_no_run_is_a_mistake(tmp_path):

@@ -16,6 +16,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from rich.console import Console
 
 from models.core.remedies import find_actions
+from orchestrator.assessment.friction import judge
 from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summarise, wear
 from orchestrator.assessment.friction.judge import find_sliding, judge_friction, judge_losses
 from orchestrator.assessment.friction.losses import (
@@ -32,7 +33,7 @@ from orchestrator.assessment.friction.losses import (
 )  # fmt: skip
 from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
 from orchestrator.assessment.friction.shares import tabulate_losses
-from orchestrator.errors import MistakeError, Option
+from orchestrator.errors import MistakeError, Option, in_command_line
 from orchestrator.plots.friction import draw_friction
 from orchestrator.plots.style import RC
 from orchestrator.reporter import Reporter
@@ -265,6 +266,17 @@ def test_mistakes_name_the_option(folder, option, value):
 
 def test_a_folder_without_a_result_is_named(tmp_path):
     assert said_by(tmp_path).startswith(f"tribocosim: {tmp_path}")
+
+
+def test_a_run_that_broke_off_before_a_revolution_is_to_be_resumed(folder, monkeypatch):
+    def read_half(folder, wanted, read=judge._read):
+        time, columns, units = read(folder, wanted)
+        return time[:300], {name: column[:300] for name, column in columns.items()}, units
+
+    monkeypatch.setattr(judge, "_read", read_half)
+    with pytest.raises(MistakeError, match="must be a revolution; ") as caught:
+        judge_friction(folder, None, 1e-17, 1.0)
+    assert in_command_line(caught.value).endswith(f"tribocosim resume {folder}")
 
 
 def test_each_of_several_contacts_has_a_file_of_its_own():

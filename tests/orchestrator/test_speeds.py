@@ -299,6 +299,14 @@ def test_a_run_and_a_sweep_are_not_compared(tmp_path):
         )
 
 
+def test_a_sweep_that_broke_off_has_no_page(tmp_path):
+    """No stage begins before it says so."""
+    (tmp_path / STORE).mkdir()
+    refused = called("report", str(tmp_path))
+    assert (refused.returncode, refused.stdout) == (2, "")
+    assert said(refused).endswith(f"{tmp_path}: its sweep broke off; the same command continues it")
+
+
 def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkeypatch):
     """Of a train that is lost above a speed known for each formula, in contacts only; the verdict names the
     speeds without a steady cycle."""

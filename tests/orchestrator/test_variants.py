@@ -4,6 +4,7 @@ import signal
 from contextlib import suppress
 from dataclasses import replace
 from io import StringIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -172,7 +173,7 @@ def test_runs_are_not_compared_by_what_is_zero_in_both(tmp_path):
     assert "twist" not in text.getvalue()
 
 
-def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
+def test_two_runs_lie_over_each_other_with_their_names(tmp_path, monkeypatch):
     short = {"stop_time": "60 ms", "macro_step": "20 us", "reference.enabled": False}
     for name, preload in (("soft", 250.0), ("stiff", 400.0)):
         own = {**short, "components.valve_spring.parameters.preload": preload}
@@ -198,3 +199,10 @@ def test_two_runs_lie_over_each_other_with_their_names(tmp_path):
     assert np.mean(lines["stiff"] - lines["soft"]) == pytest.approx(150.0, abs=1.0)
     with pytest.raises(MistakeError, match="holds no finished run"):
         run_overlay.read_run(tmp_path)
+    missing = replace(other, coupled={k: v for k, v in other.coupled.items() if k != "contact.load"})
+    monkeypatch.setattr(run_overlay, "read_run", {Path("one"): one, Path("other"): missing}.get)
+    told = (
+        r"^other: is a run of another train than one, without its contact\.load; compare runs of one train$"
+    )
+    with pytest.raises(MistakeError, match=told):
+        run_overlay.overlay(Path("one"), Path("other"), tmp_path / "x.png", ("one", "other"))

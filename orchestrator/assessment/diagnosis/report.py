@@ -17,7 +17,7 @@ from ...errors import Command, MistakeError, Set, in_command_line
 from ...scenario import Scenario, ScenarioError
 from ...scenario.files import list_shipped, load, read
 from ...scenario.units import choose_time_unit, format_time
-from ...store.output_folder import SCENARIO, SUMMARY, find_newest, format_path
+from ...store.output_folder import SCENARIO, SUMMARY, find_newest, find_run_state, format_path
 from .facts import Facts
 from .numbers import Diagnosis, diagnose_steps
 from .steps import Steps, read_steps
@@ -130,9 +130,12 @@ def _tell_change(facts: Facts, spending: Spending, suggestions: Sequence[str]) -
         said = f"Change: {output}, the least exact, has {percent(share)} of the error allowed: try "
         return in_command_line((said, words))
     if not output:
+        wanted = "its comparison with the reference, which it lacks,"
+        if not scenario.reference.enabled:
+            wanted = "a reference (`reference.enabled = true`, with a `tolerance`)"
         return (
-            "Change: none is advised for the steps; whether their error leaves room for longer ones only a "
-            "reference shows (`reference.enabled = true`, with a `tolerance`)."
+            "Change: none is advised for the steps; whether their error leaves room for longer ones, only "
+            f"{wanted} shows."
         )
     return f"Change: none is advised for the steps; {output} has {percent(share)} of the error allowed."
 
@@ -321,5 +324,8 @@ def diagnose(out: Path) -> Findings:
         ) from None
     facts = Facts(diagnosis, steps, scenario)
     remedies = suggestions(facts)
+    if find_run_state(out).exists() and scenario.reference.enabled:
+        resume = "`", Command("resume", (out,)), "` ends the run and compares it with its reference"
+        remedies.append(in_command_line(resume))
     lines = full(facts, remedies, message, spending)
     return Findings(steps, scenario, diagnosis, spending, remedies, lines)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from models.contact.wear import trapezoidal, worn_depth
 from models.core.quantities import Quantity, Vector
 
-from ...errors import MistakeError
+from ...errors import MistakeError, Words
 from ..figures_of_merit import SHARE
 from ..lost_contact import LOST, ContactLaw
 
@@ -79,16 +79,18 @@ class Cycle:
         return np.asarray(self.power / self["cam_speed"])
 
 
-def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector]) -> Cycle:
-    """The last whole revolution; MistakeError if the cam does not turn one, or turns back."""
+def last_revolution(contact: str, time: Vector, values: Mapping[str, Vector], remedy: Words = "") -> Cycle:
+    """The last whole revolution; MistakeError if the cam turns back, or does not turn one, with the `remedy`,
+    by default a later stop_time."""
     angle = values["cam_angle"]
     turned = angle[-1] - angle[0]
     forwards = np.diff(angle) > 0.0
     if abs(turned) < TURN * (1.0 - OPEN):
         needed = (time[-1] - time[0]) * TURN / abs(turned) if turned else math.inf
+        later = f"a stop_time of {needed:.4g} s would do" if needed < math.inf else "the cam stands still"
         raise MistakeError(
-            f"{contact}: its cam turns {math.degrees(abs(turned)):.4g} deg in the run: must be a revolution; "
-            + (f"a stop_time of {needed:.4g} s would do" if needed < math.inf else "the cam stands still")
+            f"{contact}: its cam turns {math.degrees(abs(turned)):.4g} deg in the run: must be a revolution",
+            remedy or later,
         )
     if turned < 0.0 or not forwards.all():
         raise MistakeError(f"{contact}: its cam does not turn forwards all the time; there is no cycle")

@@ -9,7 +9,7 @@ from models.core.quantities import Vector
 from models.core.roles import Cam, Contact
 from models.core.system import Port, System
 
-from ...errors import MistakeError, Option, one_of
+from ...errors import Command, MistakeError, Option, one_of
 from ...scenario import Scenario, ScenarioError
 from ...scenario.files import load
 from ...scenario.system import build_system, list_parameters
@@ -47,7 +47,10 @@ def judge_friction(
     found = []
     for name in [contact] if contact else list(cams):
         time, columns, units = _read(folder, list_columns(system, name, cams[name]))
-        cycle = replace(last_revolution(name, time, columns), law=find_law(system, name), units=units)
+        broken_off = time[-1] < (1.0 - 1e-9) * scenario.stop_time
+        remedy = ("go on with the run, which broke off: ", Command("resume", (folder,))) if broken_off else ""
+        cycle = last_revolution(name, time, columns, remedy)
+        cycle = replace(cycle, law=find_law(system, name), units=units)
         worn = wear(cycle, "asperity_load", coefficient, values[f"{name}.length"])
         found.append(Judged(cycle, worn, coefficient, cycles, values[f"{name}.roughness"]))
     return scenario, found
