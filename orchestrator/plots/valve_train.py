@@ -223,7 +223,8 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
     """The ramps: lifts up to a share of the largest, and what a landing does there."""
     top = OPENED * 1e3 * float(np.max(data.coupled[f"{train.cam}.cam_lift"]))
     dip = 1.1e3 * float(np.min(data.coupled[f"{train.valve}.position"]))
-    ax.set_ylim(min(-0.15 * top, dip), top)
+    if top > 0.0:  # where the cam stands still it may be zero
+        ax.set_ylim(min(-0.15 * top, dip), top)
     velocity, landing = _measure(data, train, "seating_velocity")
     if landing is not None:
         where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"

@@ -224,6 +224,8 @@ def put(content: dict[str, Any], values: Mapping[str, Any]) -> None:
         if isinstance(value, dict | list):
             below.pop(keys[-1], None)
         above[keys[-1]] = copy.deepcopy(value)
+    if "step_control" in over:
+        content.pop("output_step", None)
     content |= merge(content, over)
 
 

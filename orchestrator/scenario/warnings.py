@@ -46,6 +46,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *found,
         *_doubt_times(scenario),
         *list_doubtful(scenario),
+        *_list_still(scenario),
         *_list_notes(scenario),
         *doubt_oils(scenario),
         *_list_unloaded(scenario),
@@ -70,6 +71,18 @@ def _doubt_times(scenario: Scenario) -> list[str]:
     return [
         f"stop_time = {stop:g} s: {stop / step:,.0f} macro steps of {step:g} s; if {stop:g} ms were meant, "
         f"write '{stop:g} ms'"
+    ]
+
+
+def _list_still(scenario: Scenario) -> list[str]:
+    """Warn of drives that are prescribed to stand still."""
+    return [
+        f"components.{name}.parameters.initial_speed = 0 rpm: the shaft stands still for the whole run; give "
+        "a speed, such as '1000 rpm', or a final_speed"
+        for name, table in scenario.components.items()
+        if table.resolve().has_role(roles.Drive)
+        and table.parameters.get("motion", "prescribed") == "prescribed"
+        and table.parameters.get("initial_speed") == table.parameters.get("final_speed") == 0.0
     ]
 
 

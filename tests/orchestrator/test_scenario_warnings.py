@@ -18,6 +18,9 @@ def test_what_has_no_effect_is_noticed():
     assert list_warnings(load("valve-train-controlled")) == []
     (said,) = list_warnings(load("valve-train-controlled", ["output_step=1 ms"]))
     assert said.startswith("output_step = 0.001 s: has no effect: [step_control] records every step")
+    assert list_warnings(load("valve-train", ["step_control.relative=1e-4"])) == []
+    (said,) = list_warnings(load("valve-train", ["components.flywheel.parameters.initial_speed=0 rpm"]))
+    assert "the shaft stands still for the whole run; give a speed" in said
     given = "components.contact.parameters.load_is_given=true"
     (said,) = list_warnings(load("valve-train", [given]))
     assert "nothing drives contact.applied_load" in said

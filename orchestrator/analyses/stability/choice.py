@@ -289,9 +289,10 @@ def _apply(scenario: Scenario, choice: Choice) -> Scenario:
             estimator=choice.estimator, relative=float(f"{choice.relative:.2g}"), maximum_step=longest
         )
     changes = {"master": table, "step_control": control, "macro_step": step}
-    # What a longer macro step makes void.
-    if (scenario.output_step or math.inf) < step:
-        changes["output_step"] = None
+    # What the macro step, or steps of many lengths, make void.
+    if scenario.output_step:
+        every = 0 if control else round(scenario.output_step / step)
+        changes["output_step"] = every * step if every else None
     if (scenario.event_tolerance or 0.0) >= step:
         changes["event_tolerance"] = None
     return scenario.model_copy(update=changes)
