@@ -6,7 +6,7 @@ from matplotlib.ticker import MultipleLocator
 
 from ..assessment.friction.cycle import TURN, Cycle, Wear
 from .solved_film import FULL
-from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_subplots
+from .style import ACCENT, COUPLED, MUTED, REFERENCE, add_legend_above, create_subplots, widen_zero
 
 
 def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure:
@@ -43,6 +43,7 @@ def draw_friction(cycle: Cycle, worn: Wear, cycles: float, title: str) -> Figure
     follower.set_ylabel(f"Follower wear (µm)\nafter {cycles:g}\nrevolutions")
     follower.set_xlabel("Place along the follower (mm)")
     for ax in axes:
+        widen_zero(ax)
         ax.set_ylim(bottom=0.0)
     add_legend_above(force, 3)
     return figure

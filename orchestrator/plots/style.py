@@ -162,8 +162,14 @@ def plot_both(axes: Axes, data: FigureData, name: str, words: str) -> None:
         )  # fmt: skip
     axes.plot(data.x(), factor * data.coupled[name], color=COUPLED, lw=1.1, label=data.names[0])
     axes.set_ylabel(data.label(name, words))
-    if np.abs(axes.dataLim.intervaly).max() < NOTHING:
-        axes.update_datalim(((data.x()[0], -1.0), (data.x()[0], 1.0)))
+    widen_zero(axes)
+
+
+def widen_zero(axes: Axes) -> None:
+    """Give curves that are zero but for rounding an ordinate to 1."""
+    limits = axes.dataLim
+    if np.abs(limits.intervaly).max() < NOTHING:
+        axes.update_datalim(((limits.x0, -1.0), (limits.x0, 1.0)))
 
 
 def shade(axes: Axes, data: FigureData, contact: str) -> None:
