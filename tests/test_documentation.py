@@ -24,6 +24,7 @@ from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.schema import build_schema
 from orchestrator.stepping.estimators import ESTIMATORS
 
+from .orchestrator.commands import called
 from .orchestrator.coupled import run_coupled
 from .orchestrator.two_masses import exact, two_masses
 
@@ -52,6 +53,16 @@ def test_every_key_of_the_schema_and_every_choice_is_in_the_reference() -> None:
     masters = content["$defs"]["MasterTable"]["properties"]["name"]["anyOf"][0]["enum"]
     words = set(re.findall(r"\w+", " ".join("".join(found) for found in CODE)))
     assert sorted({*keys, *masters, *ACCELERATIONS, *ESTIMATORS} - words) == []
+
+
+@pytest.mark.long
+def test_the_survey_in_the_guide_to_masters_is_the_one_that_is_printed(tmp_path: Path) -> None:
+    page = (DOCS / "how-to" / "choose-master-and-step.md").read_text("utf-8")
+    shown = " ".join(page.partition("every signal:\n\n```\n")[2].partition("```")[0].split())
+    printed = called("analyse", "valve-train", "--out", str(tmp_path / "survey")).stdout
+    said = " ".join(printed.replace("─", "").split())
+    for part in shown.replace("─", "").split("..."):
+        assert " ".join(part.split()) in said
 
 
 @pytest.mark.parametrize("example", EXAMPLES)
