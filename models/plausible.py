@@ -25,6 +25,9 @@ RAMP = Plausible(1e-6, 10.0, (("ms", 1e-3),), "runs of these models last some se
 VALVE_MASS = Plausible(5e-3, 5.0, _MASS, "valves with their followers have 5 g to 5 kg")
 PART_MASS = Plausible(5e-3, 50.0, _MASS, "cams, rods and pistons of engines have 5 g to 50 kg")
 SPRING_RATE = Plausible(1e3, 1e6, _STIFFNESS, "valve springs have 1 to 1000 N/mm")
+PRELOAD = Plausible(
+    1.0, 2e4, (("N", 1.0), ("kN", 1e3)), "valve springs press with 1 N to 20 kN on closed valves"
+)
 SEAT_STIFFNESS = Plausible(1e5, 1e11, _STIFFNESS, "seats and coils of metal have 100 N/mm at least")
 SURGE_FREQUENCY = Plausible(30.0, 10e3, (("kHz", 1e3),), "valve springs surge at 30 Hz to 10 kHz")
 

@@ -15,6 +15,7 @@ from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
+from ..plausible import PRELOAD
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 
@@ -25,7 +26,9 @@ class Parameters:
     spring_rate: float = kinds.SPRING_RATE("static rate k0 while no coil is closed", 35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
-    preload: float = kinds.FORCE("force f_p at position zero", 330.0, nominal=300.0, minimum=0.0)
+    preload: float = kinds.FORCE(
+        "force f_p at position zero", 330.0, nominal=300.0, minimum=0.0, plausible=PRELOAD
+    )
     gap: Vector = kinds.DISPLACEMENT.each(
         "compression of a segment at which its coils close, from the moving end",
         "segments",

@@ -18,7 +18,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..core.requirements import require
-from ..plausible import VALVE_MASS
+from ..plausible import PRELOAD, VALVE_MASS
 from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 # A dip that is far from any event.
@@ -37,7 +37,9 @@ class ValveSpringParameters:
     spring_rate: float = kinds.SPRING_RATE("static rate k0 of the spring", 35e3)
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
-    preload: float = kinds.FORCE("spring force f_p at zero lift", 330.0, nominal=300.0, minimum=0.0)
+    preload: float = kinds.FORCE(
+        "spring force f_p at zero lift", 330.0, nominal=300.0, minimum=0.0, plausible=PRELOAD
+    )
     lash: float = kinds.LASH("follower position at which the valve sits on its seat")
     seat_stiffness: float = kinds.SEAT_STIFFNESS(
         "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0

@@ -42,6 +42,7 @@ def test_a_run_in_a_few_steps_is_doubted():
 SLIPS = {
     "valve_spring.parameters.spring_rate=45": "45 N/mm",
     "flywheel.parameters.initial_speed=3000": "3000 rpm",
+    "valve_spring.parameters.preload=0.33": "0.33 kN",
     "camshaft.parameters.base_radius=17": "17 mm",
     "camshaft.parameters.phase=90": "90 deg",
     "contact.parameters.viscosity=8": "8 mPa.s",
