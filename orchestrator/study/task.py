@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import dask
+
 from models.core.remedies import ExplainedError, in_command_line
 
 from ..errors import IncompleteError, MistakeError
@@ -31,7 +33,8 @@ def evaluate(subject: Subject, values: Mapping[str, Value], versions: dict[str, 
     if found:
         return f"computes with {found}"
     try:
-        return Outcome(_select_values(subject, subject.evaluate(values)))
+        with dask.config.set(scheduler="synchronous"):  # else a file that is written asks for a client
+            return Outcome(_select_values(subject, subject.evaluate(values)))
     except IncompleteError as error:
         return Outcome(_select_values(subject, error.results), format_message(error))
     except (Exception, SystemExit) as error:

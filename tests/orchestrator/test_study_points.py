@@ -6,9 +6,11 @@ import re
 import tomllib
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
+import xarray
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
@@ -24,10 +26,10 @@ from orchestrator.study.files import list_shipped, load
 from orchestrator.study.source import compute_fingerprint
 from orchestrator.study.store import CHUNK, choose_chunks
 from orchestrator.study.subjects import AnalysisSubject
-from orchestrator.study.task import evaluate
+from orchestrator.study.task import Outcome, evaluate
 
 from .commands import HERE
-from .studies import PLAIN, plan_scenario, plan_study, refuse_build
+from .studies import PLAIN, compute_outcome, plan_scenario, plan_study, refuse_build
 
 NUMBERS = st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=4, unique=True)
 
@@ -323,3 +325,18 @@ def test_a_change_in_the_file_of_an_analysis_changes_its_version(tmp_path, monke
         assert subject.evaluate({}) == {"y": float(factor)}
         versions.add(compute_fingerprint(subject)[subject.name])
     assert len(versions) == 2
+
+
+def test_a_point_that_writes_a_file_asks_for_no_client(tmp_path, monkeypatch):
+    """A worker that is stopped with a client of its own reports that it cannot close it."""
+    plan, asked, file = (
+        plan_study({"kind": "list", "rows": [{}]}),
+        Mock(side_effect=ValueError),
+        tmp_path / "x.nc",
+    )
+    write = lambda subject, values: xarray.Dataset().to_netcdf(file, engine="h5netcdf") or {}  # noqa: E731
+    monkeypatch.setattr(type(plan.subject), "evaluate", write)
+    monkeypatch.setattr("distributed.get_client", asked)
+    assert compute_outcome(plan, 0) == Outcome({})
+    assert file.exists()
+    asked.assert_not_called()
