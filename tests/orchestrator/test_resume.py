@@ -14,7 +14,7 @@ import pytest
 from rich.console import Console
 
 from models.core.errors import ModelError
-from models.core.remedies import Command, find_actions
+from models.core.remedies import Command, find_actions, in_command_line
 from orchestrator.errors import CheckpointError, MistakeError, start_over
 from orchestrator.reporter import Reporter
 from orchestrator.run import assess
@@ -87,10 +87,11 @@ def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path):
     summary = run(scenario, out, build_fmu, quiet(), figures=False)
     assert (summary.exit_status, summary.resumable) == (3, False)
     assert not (out / "unfinished").exists()
-    assert summary.message in (out / "summary.csv").read_text("utf-8").splitlines()[1]
+    message = in_command_line(summary.message)
+    assert message in (out / "summary.csv").read_text("utf-8").splitlines()[1]
     with pytest.raises(OutputFolderError) as error:
         resume(out, build_fmu, quiet())
-    why = summary.message.removeprefix("incomplete: ")
+    why = message.removeprefix("incomplete: ")
     assert str(error.value).startswith(f"{out}: the run failed, and would fail again: {why}")
     assert find_actions(error.value) == find_actions(start_over(out))
     with pytest.raises(OutputFolderError, match=f"did you mean {out}\\?$"):
