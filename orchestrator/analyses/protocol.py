@@ -38,6 +38,13 @@ class Parameter:
         self.quantity = Quantity(unit, description, boolean=isinstance(default, bool), **limits)
 
     @property
+    def fields(self) -> dict[str, Any]:
+        """Default, unit, meaning and range by name, as JSON has them."""
+        names = ("unit", "description", "minimum", "maximum", "choices", "positive", "plausible")
+        own = {name: getattr(self.quantity, name) for name in names}
+        return {"default": self.default, "integer": self.integer, **own}
+
+    @property
     def allowed(self) -> str:
         """The allowed values in words."""
         if self._is_text:

@@ -166,7 +166,8 @@ def test_analyses_and_lists_print_their_results(tmp_path):
     cam = read("cam", "cycloidal", "--base-radius", "30 mm", "--out", str(tmp_path / "cam"))
     assert cam["largest_lift"] == pytest.approx(8e-3, rel=1e-9)
     assert "cam" in read("analyse")
-    assert read("analyse", "cam", "--parameters")["lift"]["unit"] == "m"
+    lift = read("analyse", "cam", "--parameters")["lift"]
+    assert (lift["default"], lift["unit"], lift["positive"], lift["maximum"]) == (8e-3, "m", True, None)
 
 
 def test_a_mistake_prints_nothing(tmp_path):

@@ -56,7 +56,7 @@ def run_analysis(
     elif at:
         raise MistakeError((Option("at"), f": belongs to a scenario, which {name} is not"), "leave it out")
     elif show_parameters:
-        result = load(name).parameters
+        result = {one: parameter.fields for one, parameter in load(name).parameters.items()}
         reporter.console.print(build_parameters_table(name))
     else:
         result = analyse(name, set_ or [], out, overwrite, reporter)
