@@ -68,11 +68,8 @@ def write_sweep(folder: Path) -> None:
         {"speed": SPEEDS},
     )
     numbers.to_zarr(folder / "speeds.zarr", zarr_format=2, consolidated=True)
-    summary = {
-        "scenario": "made",
-        "separation": {"speed": 2700.0, "text": "contact is lost from 2700.0 r/min"},
-    }
-    (folder / "summary.json").write_text(json.dumps(summary), "utf-8")
+    separation = {"speed": 2700.0, "text": "contact is lost from 2700.0 r/min"}
+    (folder / "summary.json").write_text(json.dumps({"scenario": "made", "separation": separation}), "utf-8")
 
 
 EVIL = "</script><script>window.evil = 1</script>"
