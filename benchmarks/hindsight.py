@@ -13,15 +13,17 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from time import process_time
 
 import numpy as np
 from rich.console import Console
 
+from models.core.system import ModelError
 from models.monolithic.trajectory import compute_trajectory
-from orchestrator.analyses.stability.choice import LEAST, choose
+from orchestrator.analyses.stability.choice import LEAST, apply, describe, find_choice
 from orchestrator.analyses.stability.trajectory import run_course
 from orchestrator.analyses.stability.trial import TOO_MANY, Outcome, Trial
-from orchestrator.errors import MistakeError
+from orchestrator.errors import MistakeError, RunError
 from orchestrator.masters import MASTERS, Master
 from orchestrator.reporter import Reporter
 from orchestrator.run.plan import open_participants, plan_participants
@@ -81,9 +83,10 @@ CONTROLLED = (
 POWERS = tuple(-0.5 * k for k in range(2, 15))
 
 
-def find_best(problem: Trial, told: Callable[[Outcome], None] = lambda one: None) -> Outcome | None:
-    """The choice with the fewest doSteps that is within the tolerance."""
-    best: Outcome | None = None
+def find_best(
+    problem: Trial, best: Outcome | None = None, told: Callable[[Outcome], None] = lambda one: None
+) -> Outcome | None:
+    """The choice with the fewest doSteps that is within the tolerance; `best` if none needs fewer."""
     scenario, longest = problem.resolved.scenario, math.inf
     most = 8.0 * len(scenario.components) * scenario.stop_time / scenario.macro_step
 
@@ -170,27 +173,32 @@ def _load_shipped(name: str, stop: float | None) -> Scenario:
     return load(name, [] if stop is None else [f"stop_time={stop!r}"])
 
 
-def run_chosen(problem: Trial) -> Outcome:
-    """The run that `auto` chooses; a note if it refuses."""
-    asked = problem.resolved.scenario.model_copy(
-        update={"master": MasterTable(name=AUTO), "step_control": None}
-    )
+def run_chosen(problem: Trial) -> tuple[Outcome, int]:
+    """The run that `auto` chooses, a note if it refuses; and the doSteps of the runs that it tried."""
+    resolved, scenario = problem.resolved, problem.resolved.scenario
+    changes = {"master": MasterTable(name=AUTO), "step_control": None}
+    asked = resolved.with_master_of(scenario.model_copy(update=changes))
     try:
-        found = choose(problem.resolved.with_master_of(asked), Reporter(Console(quiet=True)))
-    except MistakeError as error:
-        return Outcome("refused", note=str(error))
-    chosen = found.scenario
-    return problem.run(str(chosen.master.chosen), chosen.build_master(), chosen.build_steps())
+        choice = find_choice(asked, Reporter(Console(quiet=True)))
+    except (MistakeError, ModelError, RunError) as error:
+        return Outcome("refused", note=str(error)), 0
+    chosen = apply(asked.scenario, choice)
+    return problem.run(describe(choice), chosen.build_master(), chosen.build_steps()), choice.tried
 
 
 def measure(names: Sequence[str] = ()) -> Iterator[tuple[str, str]]:
     """Figures and their values, a problem after the other."""
     scenarios = list_scenarios()
     for name in names or scenarios:
-        problem = solve_problem(scenarios[name]())
-        own = run_chosen(problem)
-        best = find_best(problem)
-        fewest = f"{best.choice}: {best.steps}" if best else "none within the tolerance"
+        problem, began = solve_problem(scenarios[name]()), process_time()
+        own, tried = run_chosen(problem)
+        spent = process_time() - began - own.seconds
+        best = find_best(problem, own if own.good else None)
         said = own.note or f"{own.steps} doSteps, {own.error:.2g} of the tolerance"
-        ratio = f"{own.steps / best.steps:.2f} times " if best and own.good else ""
-        yield f"{name}, auto over the best in hindsight", f"{said}; {ratio}{fewest}"
+        if best and own.good:
+            ratio = own.steps / best.steps
+            said += f"; {ratio:.2f} times {best.choice}: {best.steps}" if ratio > 1.0 else "; none is fewer"
+        elif best:
+            said += f"; {best.choice}: {best.steps}"
+        said += f"; chosen by {tried} doSteps, in {spent:.1f} s before a run of {own.seconds:.2g} s"
+        yield f"{name}, auto over the best in hindsight", said

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from ...assessment.trains import check_lash
 from ...errors import MistakeError, Option
 from ...reporter import CHOICE, Reporter
@@ -60,10 +62,13 @@ def analyse_scenario(
 def survey_scenario(
     resolved: Resolved, instants: Sequence[float], reporter: Reporter, scope: Scope = EVERY
 ) -> Survey:
-    """The survey about a scenario's start and these instants (s); `scope` is as in `survey`."""
+    """The survey about a scenario's start and these instants (s); `scope` is as in `survey`.
+
+    Its matrices are small: a second thread of the linear algebra would only wait.
+    """
     scenario, system = resolved.scenario, resolved.system
     check_lash(system)
-    with reporter.stage(CHOICE) as bar:
+    with reporter.stage(CHOICE) as bar, threadpool_limits(limits=1, user_api="blas"):
         plans = plan_participants(scenario, resolved.assembly.linear, None)
         with open_linearisations(scenario, system, plans) as participants:
             return survey(scenario, system, plans, participants, instants, bar.show, scope)

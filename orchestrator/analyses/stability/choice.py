@@ -71,7 +71,7 @@ class Choice:
     """A master with equal steps (s), or with steps up to that length that keep `relative` by `estimator`.
 
     `order` is that of the error, `cost` the participant steps of the whole run, as predicted or tried; `why`
-    is its reason."""
+    is its reason. Runs with `tried` participant steps were made to find it."""
 
     master: Master
     step: float
@@ -80,6 +80,7 @@ class Choice:
     order: int
     relative: float = 0.0
     estimator: str | None = None
+    tried: int = 0
 
     def shorten(self, excess: float) -> Choice:
         """The same in shorter steps, after an error of `excess` times what is allowed."""
@@ -98,14 +99,15 @@ def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
     ScenarioError, which says why, if nothing can be chosen.
     """
     try:
-        chosen = _choose(resolved, reporter)
+        chosen = apply(resolved.scenario, find_choice(resolved, reporter))
     except (MistakeError, ModelError, RunError) as error:
         remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
         raise ScenarioError((f"master.name = {AUTO!r}: ", error, remedy)) from None
     return resolved.with_master_of(chosen)
 
 
-def _choose(resolved: Resolved, reporter: Reporter) -> Scenario:
+def find_choice(resolved: Resolved, reporter: Reporter) -> Choice:
+    """What `auto` chooses; MistakeError, ModelError or RunError, which says why, if nothing can be chosen."""
     scenario = resolved.scenario
     known, why = not needs_run(scenario), "no master is stable and within the tolerance at any step tried"
     iterated = Iterated(tolerance=ITERATED * min(scenario.tolerance.values(), default=1.0))
@@ -122,7 +124,7 @@ def _choose(resolved: Resolved, reporter: Reporter) -> Scenario:
             best = tries.choose_controlled(why)
     if best is None:
         raise MistakeError(why)
-    return _apply(scenario, best)
+    return replace(best, tried=tries.taken)
 
 
 def _rank(choice: Choice) -> tuple[float, int]:
@@ -140,6 +142,7 @@ class _Tries:
         names = system.outputs.names
         columns = [names.index(name) for name in self._scenario.tolerance]
         self._trial = Trial(resolved, motion.times, motion.outputs[:, columns])
+        self.taken = 0  # participant steps
 
     def choose_predicted(self, choices: list[Choice], trials: int) -> Choice | None:
         """The cheapest that keeps the tolerance in a trial; after one that misses it, it is shortened.
@@ -167,9 +170,11 @@ class _Tries:
         return best
 
     def _run(self, choice: Choice) -> Outcome:
-        chosen = _apply(self._scenario, choice)
+        chosen = apply(self._scenario, choice)
         most = choice.cost if choice.estimator not in (None, DEFECT) else math.inf
-        return self._trial.run("", chosen.build_master(), chosen.build_steps(), most)
+        made = self._trial.run("", chosen.build_master(), chosen.build_steps(), most)
+        self.taken += made.steps
+        return made
 
 
 class HardLandingError(MistakeError):
@@ -269,7 +274,7 @@ class _Defect:
         return np.minimum(KEPT * allowed, longest)
 
 
-def _apply(scenario: Scenario, choice: Choice) -> Scenario:
+def apply(scenario: Scenario, choice: Choice) -> Scenario:
     """The scenario with the choice in its tables."""
     master: Any = choice.master
     control, step = None, choice.step
@@ -302,6 +307,7 @@ def describe(choice: Choice) -> str:
     """The choice and its reason, in a sentence."""
     steps = f"equal steps of {format_time(choice.step)}"
     counted = f"; {choice.cost:.2g} participant steps are predicted" if math.isfinite(choice.cost) else ""
+    counted += f", {choice.tried:.2g} were tried" if choice.tried else ""
     if choice.estimator == DEFECT:
         steps = f"steps up to {format_time(choice.step)} that keep {choice.relative:.1e} for their defect"
     elif choice.estimator:

@@ -48,18 +48,21 @@ class Linear:
         """
         if h not in self._steps:
             n, inputs = self.B.shape
-            # Inputs that do not act on the states are left out of the exponential.
+            # The chain drives the states by B, or each by itself where they are fewer than the inputs.
             moving = np.flatnonzero(np.any(self.B, axis=0))
-            m = moving.size
+            acting = self.B[:, moving]
+            drive = acting if moving.size <= n else np.eye(n)
+            m = drive.shape[1]
             whole = np.zeros((n + ROWS * m, n + ROWS * m))
             whole[:n, :n] = h * self.A
             if m:
-                whole[:n, n : n + m] = h * self.B[:, moving]
+                whole[:n, n : n + m] = h * drive
                 # The states of the chain are U[k] h^k, so that it needs no powers of h.
                 whole[n:-m, n + m :] = np.eye((ROWS - 1) * m)
             exponential = expm(whole) if np.any(whole) else np.eye(len(whole))
             gamma = np.zeros((n, ROWS, inputs))
-            gamma[:, :, moving] = exponential[:n, n:].reshape(n, ROWS, m) * (h ** np.arange(ROWS))[:, None]
+            driven = exponential[:n, n:].reshape(n, ROWS, m) * (h ** np.arange(ROWS))[:, None]
+            gamma[:, :, moving] = driven if drive is acting else driven @ acting
             chain = [[h**k / math.factorial(k) for k in range(ROWS)]]
             chain.append([0.0, *chain[0][:-1]])
             ends = np.kron(np.array(chain), np.eye(inputs))

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from time import process_time
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import make_interp_spline
@@ -30,12 +32,15 @@ TOO_MANY = "more doSteps than the best"
 
 @dataclass(frozen=True)
 class Outcome:
-    """A run: its choice, doSteps, and largest error over what is allowed (NaN and a note if it failed)."""
+    """A run: its choice, doSteps, and largest error over what is allowed (NaN and a note if it failed).
+
+    `seconds` of the processor were taken."""
 
     choice: str
     steps: int = 0
     error: float = math.nan
     note: str = ""
+    seconds: float = 0.0
 
     @property
     def good(self) -> bool:
@@ -58,12 +63,14 @@ class Trial:
         trace = _Trace(list(resolved.scenario.tolerance), most)
         plans = plan_participants(resolved.scenario, resolved.assembly.linear, None)
         stop, lines = float(self.times[-1]), resolved.assembly.side_lines
+        began, error, note = process_time(), math.nan, ""
         try:
             with open_participants(resolved.system, plans) as units:
-                made = simulate(resolved.system, units, master, steps, stop, [trace], lines=lines)
-        except (RunError, MistakeError) as error:
-            return Outcome(name, note=str(error))
-        return Outcome(name, made.do_steps, self._measure_error(trace))
+                simulate(resolved.system, units, master, steps, stop, [trace], lines=lines)
+            error = self._measure_error(trace)
+        except (RunError, MistakeError) as failure:
+            note = str(failure)
+        return Outcome(name, int(np.sum(trace.calls)), error, note, process_time() - began)
 
     def _measure_error(self, trace: _Trace) -> float:
         """The largest relative RMS error over what is allowed."""
@@ -97,9 +104,10 @@ class _Trace(Observer):
     most: float = math.inf
     times: list[float] = field(default_factory=list)
     rows: list[Vector] = field(default_factory=list)
+    calls: Any = 0
 
     def watch(self, coupling: Coupling) -> None:
-        self._calls = coupling.calls
+        self.calls = coupling.calls
 
     def begin(self, names: Sequence[str]) -> None:
         self._columns = [list(names).index(name) for name in self.names]
@@ -108,5 +116,5 @@ class _Trace(Observer):
         if step.length > 0.0:
             self.times.append(time)
             self.rows.append(outputs()[self._columns])
-        if self._calls.sum() > self.most:
+        if self.calls.sum() > self.most:
             raise RunError(TOO_MANY)
