@@ -19,6 +19,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
+from models.core.interruption import look
 from models.core.quantities import Vector
 from models.core.remedies import Words, in_command_line, make_printable
 
@@ -60,6 +61,7 @@ _innermost: ContextVar[Show | None] = ContextVar("innermost", default=None)
 
 def show_share(share: float, words: str = "") -> None:
     """Show the share that is done of the stage around the caller, if there is one."""
+    look()
     if show := _innermost.get():
         show(share, words)
 
@@ -74,6 +76,7 @@ class Bar(Observer):
         self._shown = 0.0
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
+        look()
         self._count += 1
         if self._count % 64 == 0:
             now = clock.monotonic()
@@ -172,6 +175,7 @@ class Reporter:
 
             def show(share: float, words: str = "", /) -> None:
                 nonlocal told, begun
+                look()
                 self._progress(f"{text}{words}", share)
                 now = clock.monotonic()
                 if begun is None or share < begun[0]:  # a run goes on, or a stage has another part
@@ -184,12 +188,14 @@ class Reporter:
                     left = estimate_left((share - before) / (1.0 - before), now - then)
                     self.line(f"{text}: {100.0 * share:.0f} % done{words}{left}")
 
+            look()
             self._progress(text, 0.0)
             around = _innermost.set(show)
             try:
                 yield Bar(show, stop_time)
             finally:
                 _innermost.reset(around)
+            look()
             self._progress(text, 1.0)
 
     def _compiling(self) -> None:

@@ -4,6 +4,8 @@ import gc
 import os
 import sys
 
+from models.core.interruption import deferred, look
+
 from .packages import find_shadowed
 
 
@@ -25,13 +27,15 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Imported modules are a million objects that stay; looking for garbage among them costs a tenth of a run.
     gc.set_threshold(50_000, 20, 20)
-    try:
-        from .command_line import main as run
+    with deferred():
+        try:
+            from .command_line import main as run
 
-        run()
-    except KeyboardInterrupt:  # while modules are imported; a command tells of it itself
-        print("tribocosim: interrupted", file=sys.stderr)
-        sys.exit(130)
+            run()
+            look()
+        except KeyboardInterrupt:  # while modules are imported; a command tells of it itself
+            print("tribocosim: interrupted", file=sys.stderr)
+            sys.exit(130)
 
 
 if __name__ == "__main__":

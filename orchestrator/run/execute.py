@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
+from models.core.interruption import deferred, is_asked
 from models.core.quantities import Vector
 
 from ..assessment.contacts import ContactObserver
@@ -121,16 +122,14 @@ def _couple(
     stage = reporter.stage(f"{COUPLED} {plan.scenario.master.name}", stop)
     with open_participants(system, plan.participants, observation.lifetimes) as participants:
         try:
-            with stage as bar, Interruption() as interruption:
+            with deferred(), stage as bar:
                 observers = [*observation.observers]
                 if every := plan.scenario.checkpoint_every:
                     path, say = folder.checkpoint, reporter.line
-                    observers.append(
-                        Checkpoints(path, identity, every, stop, lambda: interruption.asked, say)
-                    )
+                    observers.append(Checkpoints(path, identity, every, stop, is_asked, say))
                 steps, lines = plan.make_steps(), plan.side_lines
                 session = Session(system, participants, plan.master, steps, stop, lines=lines)
-                observation.run = Run(session, [*observers, bar, interruption])
+                observation.run = Run(session, [*observers, bar, Interruption()])
                 return observation.run.make(checkpoint[1] if checkpoint else None)
         finally:
             observation.warnings = _collect_warnings(participants)

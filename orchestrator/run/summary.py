@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from models.contact.records import ATOM
+from models.core.interruption import answer
 
 from ..assessment.contacts import ContactSummaries, list_details, name_estimates
 from ..assessment.contacts import lines as contact_lines
@@ -109,6 +110,7 @@ class Summary:
         if isinstance(error, (CheckpointError, RefusedError)):
             raise error
         if isinstance(error, KeyboardInterrupt):
+            answer()
             return replace(self, complete=False, message="incomplete: interrupted", exit_status=INTERRUPTED)
         said = error if isinstance(error, ExplainedError) else str(error)
         if lasting := not isinstance(error, OSError):  # it would fail again

@@ -12,6 +12,8 @@ from typing import Any
 from distributed import Client, Future, as_completed
 from distributed.scheduler import KilledWorker
 
+from models.core.interruption import look
+
 from ..errors import RunError
 from .points import Points
 from .subjects import Subject
@@ -87,7 +89,7 @@ class Execution:
         try:
             self._submit(islice(waiting, self._count_slots(ahead)), numbers, completed)
             while numbers:
-                batch = _wait(completed)
+                batch = wait_for_some(completed)
                 yield [(numbers.pop(future), self._read_outcome(future)) for future in batch]
                 self._submit(
                     islice(waiting, max(0, self._count_slots(ahead) - len(numbers))), numbers, completed
@@ -119,10 +121,11 @@ class Execution:
         return outcome
 
 
-def _wait(completed: as_completed) -> list[Future]:
-    """The futures that have ended, or none after WAIT_S."""
-    last, look = clock.monotonic() + WAIT_S, SHORTEST_LOOK_S
+def wait_for_some(completed: as_completed) -> list[Future]:
+    """The futures that have ended, or none after WAIT_S; Ctrl-C ends it."""
+    last, pause = clock.monotonic() + WAIT_S, SHORTEST_LOOK_S
     while not (batch := completed.next_batch(block=False)) and clock.monotonic() < last:
-        clock.sleep(look)
-        look = min(2.0 * look, LONGEST_LOOK_S)
+        look()
+        clock.sleep(pause)
+        pause = min(2.0 * pause, LONGEST_LOOK_S)
     return list(batch)

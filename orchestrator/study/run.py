@@ -12,6 +12,7 @@ from models.core.words import tally
 
 from ..errors import MistakeError
 from ..reporter import Bar, Reporter
+from ..run.interruption import tell_interruption
 from .cluster import connect
 from .execution import Execution
 from .files import Plan
@@ -59,17 +60,17 @@ def run(
             at = where.scheduler
             reporter.line(f"no workers at {at} yet; start some with: dask worker {at}")
         execution = Execution(client, plan.subject, plan.points, versions)
-        try:
-            with reporter.stage(plan.study.name) as bar:
-                _evaluate(execution, store, bar)
-        except KeyboardInterrupt:
+
+        def describe() -> str:
             store.flush()  # the last one may have been interrupted
             left = store.count(PENDING)
-            raise KeyboardInterrupt(
-                f"interrupted; {tally(len(plan.points) - left, 'point')} kept in {out}, {left} left: "
-                "the same command continues"
-            ) from None
-        return _report_end(plan, store, out, reporter)
+            kept = f"{tally(len(plan.points) - left, 'point')} kept in {out}, {left} left"
+            return f"{kept}: the same command continues"
+
+        with tell_interruption(describe):
+            with reporter.stage(plan.study.name) as bar:
+                _evaluate(execution, store, bar)
+            return _report_end(plan, store, out, reporter)
 
 
 def _list_warnings(plan: Plan) -> list[str]:

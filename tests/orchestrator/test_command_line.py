@@ -1,6 +1,7 @@
 """The command line: runs leave whole results; mistakes and failures are one message and a status."""
 
 import contextlib
+import ctypes
 import json
 import os
 import signal
@@ -24,7 +25,8 @@ from orchestrator.store.result_file import open_result
 from orchestrator.study import files as studies
 from tribocosim.command_line import app
 from tribocosim.command_line.completion import complete_component, complete_scenario, complete_study
-from tribocosim.command_line.error_report import INTERRUPTED, TERMINATED, _find_status, report_errors
+from tribocosim.command_line.error_report import report_errors
+from tribocosim.reporting import SilentReporter
 
 from .commands import IN_PROCESS, ROOT, SHORT, called, said, tribocosim
 
@@ -304,7 +306,7 @@ def test_ctrl_c_while_modules_are_imported_has_no_traceback():
 
 def test_importing_the_command_line_imports_nothing_slow():
     """`tribocosim --help` has to answer at once."""
-    slow = ("numpy", "scipy", "numba", "matplotlib", "pydantic", "xarray", "fmpy", "pint", "models")
+    slow = ("numpy", "scipy", "numba", "matplotlib", "pydantic", "xarray", "fmpy", "pint", "models.catalogue")
     code = f"import sys, tribocosim.command_line; print([m for m in {slow} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
     assert done.stdout.strip() == "[]"
@@ -345,6 +347,35 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption(capsys):
     assert capsys.readouterr().err.startswith("tribocosim: interrupted\ntribocosim: unexpected")
 
 
+@pytest.mark.usefixtures("ctrl_c")
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interruption_within_a_callback_ends_the_command_where_it_looks(number, status, capsys):
+    """An error in a destructor or a C callback is printed and dropped; numba and figures have such."""
+    after = []
+
+    class Destroyed:
+        def __del__(self):
+            signal.raise_signal(number)
+
+    def call_from_c():
+        ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(number))()
+
+    def run_into(cause, look_in):
+        cause()
+        with look_in:
+            after.append(cause)
+
+    for cause in (Destroyed, call_from_c):
+        with pytest.raises(typer.Exit) as left:
+            report_errors(run_into)(cause, SilentReporter().stage("the next"))
+        assert (left.value.exit_code, after) == (status, [])
+        with pytest.raises(typer.Exit) as left:  # it came where nothing follows
+            report_errors(run_into)(cause, contextlib.nullcontext())
+        assert (left.value.exit_code, after.pop()) == (status, cause)
+    whole = "interrupted at its end: what it writes is whole"
+    assert capsys.readouterr().err == 2 * f"tribocosim: interrupted\ntribocosim: {whole}\n"
+
+
 def test_what_is_compiled_before_a_stage_is_told_at_once(capsys):
     """And once within 20 s; in a stage its reporter tells it."""
     with tell_compilation():
@@ -353,10 +384,3 @@ def test_what_is_compiled_before_a_stage_is_told_at_once(capsys):
         with Reporter(Console(quiet=True)).stage("a stage"):
             numba.njit(lambda x: x + 3.0)(1.0)
     assert capsys.readouterr().err.splitlines() == [COMPILES]
-
-
-def test_sigterm_that_comes_while_modules_are_imported_is_told_apart(monkeypatch):
-    monkeypatch.setattr("tribocosim.command_line.error_report.early", [signal.SIGTERM])
-    assert _find_status([]) == TERMINATED
-    monkeypatch.setattr("tribocosim.command_line.error_report.early", [])
-    assert _find_status([]) == INTERRUPTED

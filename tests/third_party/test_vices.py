@@ -19,6 +19,7 @@ import pytest
 from fmus.build import build
 from models.compile import temporary
 from models.compile.temporary import NEW, PREFIX, TemporaryFolder
+from models.core.interruption import is_asked
 from orchestrator.errors import MistakeError, in_command_line
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import resume, run
@@ -171,7 +172,7 @@ def test_the_second_interrupt_ends_a_call_that_does_not_return(tmp_path, monkeyp
     def interrupt_twice():
         wait_for(mark.exists)
         os.kill(os.getpid(), signal.SIGINT)
-        wait_for(lambda: signal.getsignal(signal.SIGINT).__self__.asked)  # type: ignore[union-attr]
+        wait_for(is_asked)
         os.kill(os.getpid(), signal.SIGINT)
 
     with ThreadPoolExecutor() as beside:

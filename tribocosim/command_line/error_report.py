@@ -11,13 +11,13 @@ from typing import Any
 
 import typer
 
+from models.core.interruption import came, deferred, is_asked
+
 from ..messages import say
 from .apart import state
 
 # The last ones: 128 + 2, 13 and 15, as after SIGINT, SIGPIPE and SIGTERM.
 MISTAKE, FAILED, INTERRUPTED, NO_READER, TERMINATED = 2, 3, 130, 141, 143
-# SIGTERM, where it came before a command could note it.
-early: list[int] = []
 
 
 def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
@@ -26,7 +26,7 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
 
     @functools.wraps(command)
     def report(*arguments: Any, **options: Any) -> None:
-        with _interrupt_on_termination():
+        with _interrupt_on_termination(), deferred():
             status = _carry_out(command, arguments, options)
         state(status)
         raise typer.Exit(status)
@@ -37,16 +37,10 @@ def report_errors(command: Callable[..., int | None]) -> Callable[..., None]:
 @contextmanager
 def _interrupt_on_termination() -> Iterator[None]:
     """In the block SIGTERM interrupts as Ctrl-C does."""
-
-    def interrupt(number: int, frame: object) -> None:
-        early.append(number)
-        raise KeyboardInterrupt
-
     own = threading.current_thread() is threading.main_thread()
     own = own and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
-    early.clear()
     if own:
-        signal.signal(signal.SIGTERM, interrupt)
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield
     finally:
@@ -58,14 +52,11 @@ def _carry_out(
     command: Callable[..., int | None], arguments: tuple[Any, ...], options: dict[str, Any]
 ) -> int:
     """Its exit status; an error is told."""
-    noticed, came = None, list[int]()
     try:
         from orchestrator.reporter import tell_compilation, unwritten  # with numba, as `--help` is not
-        from orchestrator.run.interruption import Noticed, came
 
         unwritten.clear()
-        came.clear()
-        with Noticed() as noticed, tell_compilation():
+        with tell_compilation():
             status = command(*arguments, **options)
         try:
             sys.stdout.flush()
@@ -78,19 +69,21 @@ def _carry_out(
             say(f"standard output cannot be written: {error.strerror}; files are complete")
             return status or FAILED
         if status == INTERRUPTED:
-            return _find_status(came)
+            return _find_status()
+        if is_asked():
+            raise KeyboardInterrupt("interrupted at its end: what it writes is whole")
     except typer.Exit as ended:  # in a child process
         return ended.exit_code
     except KeyboardInterrupt as interruption:
         say(str(interruption) or "interrupted")
-        return _find_status(came)
+        return _find_status()
     except BrokenPipeError:  # the reader has ended, e.g. `| head -1`
         _discard_output()
         return NO_READER
     except Exception as error:
-        if early or (noticed and noticed.asked):
+        if is_asked():
             say("interrupted")
-            return _find_status(came)
+            return _find_status()
         if os.environ.get("TRIBOCOSIM_DEBUG", "0").strip("0"):
             raise
         text, status = describe_error(error)
@@ -98,9 +91,9 @@ def _carry_out(
     return status or 0
 
 
-def _find_status(signals: list[int]) -> int:
-    """Of a command that these signals ended, or one that came before."""
-    return TERMINATED if signal.SIGTERM in (*signals, *early) else INTERRUPTED
+def _find_status() -> int:
+    """Of a command that the signals ended."""
+    return TERMINATED if signal.SIGTERM in came else INTERRUPTED
 
 
 def _discard_output() -> None:

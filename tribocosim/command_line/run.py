@@ -111,6 +111,7 @@ def _finish(summary: Summary, folder: Path, as_json: bool) -> int:
     Returns the exit status.
     """
     from models.core.remedies import Command, Option, find_actions, in_command_line
+    from orchestrator.store.output_folder import REPORT
 
     if as_json:
         print_json(summary.content())
@@ -118,6 +119,8 @@ def _finish(summary: Summary, folder: Path, as_json: bool) -> int:
         remedy: Words = ""
         if summary.resumable and not find_actions(summary.message):
             remedy = "; ", Command("resume", (folder,)), " continues this run"
+            if summary.exit_status == INTERRUPTED and not summary.whole and (folder / REPORT).exists():
+                remedy = *remedy, ", ", Command("report", (folder,)), " draws what is there"
         elif summary.exit_status == INTERRUPTED:
             remedy = "; it has no checkpoint: repeat the command with ", Option("overwrite", True)
         say(in_command_line((summary.message, remedy)))

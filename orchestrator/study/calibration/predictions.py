@@ -13,7 +13,7 @@ import numpy as np
 
 from models.core.quantities import Vector
 
-from ..execution import Call
+from ..execution import Call, wait_for_some
 from ..source import compute_fingerprint
 from .measured import Experiment
 from .models import Model, Prediction, Task, evaluate, failed
@@ -76,9 +76,12 @@ class Predictions:
         calls = {i: pickle.dumps(Call(evaluate, arguments(i))) for i in which}
         futures = {self._client.submit(pickle.loads, call, pure=False): i for i, call in calls.items()}
         try:
-            for future in as_completed(list(futures)):
-                error = future.exception()
-                yield futures[future], failed(f"the worker failed: {error}") if error else future.result()
+            completed, waiting = as_completed(list(futures)), dict(futures)
+            while waiting:
+                for future in wait_for_some(completed):
+                    error = future.exception()
+                    found = failed(f"the worker failed: {error}") if error else future.result()
+                    yield waiting.pop(future), found
         finally:
             self._client.cancel(list(futures))
 

@@ -49,10 +49,11 @@ def read_kept(out: Path, asked: Asked) -> Vector | None:
     return None
 
 
-def describe_kept(out: Path) -> str:
+def describe_kept(out: Path, drawn: bool = False) -> str:
     """What an interrupted search has left in the folder, and how it goes on."""
     if (out / PROGRESS).exists():
-        return f"the best cam so far is {out / SCENARIO}: the same command goes on from it"
+        figure = f", drawn in {out / FIGURE}" * drawn
+        return f"the best cam so far is {out / SCENARIO}{figure}: the same command goes on from it"
     return "no better cam was found yet, nothing is kept: the same command begins anew"
 
 

@@ -20,6 +20,7 @@ from ...plots.design import draw_design
 from ...plots.style import save_figure
 from ...report.answer import Answer
 from ...reporter import Bar, Reporter, follow
+from ...run.interruption import tell_interruption
 from ...run.pipeline import run
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder, build_system
@@ -29,7 +30,20 @@ from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_m
 from .brief import FREE, OWN, Asked, Limits, Size, read_bounds
 from .deliverables import deliver
 from .figures import find_objective, list_bounds, read_figures
-from .files import CAM, DESIGN, FIGURE, FILES, LIFTS, PAGE, PROGRESS, SCENARIO, TABLE, keep, read_kept
+from .files import (
+    CAM,
+    DESIGN,
+    FIGURE,
+    FILES,
+    LIFTS,
+    PAGE,
+    PROGRESS,
+    SCENARIO,
+    TABLE,
+    describe_kept,
+    keep,
+    read_kept,
+)
 from .limits import find_sizes
 from .report import Check, report, tabulate
 from .search import Search, Seen
@@ -197,18 +211,13 @@ def design(
             keep(out, asked, train, found)
             best.append((found, seen))
 
-        try:
-            with reporter.stage("search for a better cam"):
-                improved = search.improve(begun, note)
-        except KeyboardInterrupt:
-            if not best:
-                raise
-            save_figure(lambda: draw_design(tabulate_best(search, before, *best[-1])), out / FIGURE)
-            told = (
-                f"interrupted; the best cam so far is {out / SCENARIO}, drawn in {out / FIGURE}: the same "
-                "command goes on from it"
-            )
-            raise KeyboardInterrupt(told) from None
+        def describe() -> str:
+            if best:
+                save_figure(lambda: draw_design(tabulate_best(search, before, *best[-1])), out / FIGURE)
+            return describe_kept(out, drawn=bool(best))
+
+        with tell_interruption(describe), reporter.stage("search for a better cam"):
+            improved = search.improve(begun, note)
         with reporter.stage("check of the designed cam") as bar:
             after = check(out, wanted, speeds, bar)
         with reporter.stage("coupled run of the designed cam") as bar:

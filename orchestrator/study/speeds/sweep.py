@@ -95,11 +95,23 @@ def sweep(
     if not table.sizes["speed"]:
         return Swept(status, table, {})
     report_cycles(reporter, table)
-    first = second = None
     with tell_interruption(lambda: f"the cycles are kept in {out}: the same command continues"):
+        first = second = None
         if separation and (first := find_separation(subject, table, reporter)):
             reporter.line(first.text)
             second = compare_films(subject, table, first, second_film, reporter)
+        return Swept(status, table, _conclude(subject, table, out, reporter, first, second))
+
+
+def _conclude(
+    subject: SpeedSubject,
+    table: xarray.Dataset,
+    out: Path,
+    reporter: Reporter,
+    first: Separation | None,
+    second: Mapping[str, Any] | None,
+) -> dict[str, Any]:
+    """Say what is to be noticed, write, and draw; the content of summary.json."""
     texts = [second["text"]] if second else []
     notices = [
         *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table),
@@ -126,7 +138,7 @@ def sweep(
         files.append(write_report(out, out / REPORT))
     files.append(out / SWEPT)
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
-    return Swept(status, table, summary)
+    return summary
 
 
 @contextmanager

@@ -13,12 +13,13 @@ import numpy as np
 import xarray
 from rich.table import Table
 
+from models.core.interruption import deferred, look
+
 from ...assessment.lost_contact import find_lost
 from ...errors import MistakeError, Option
 from ...plots.speeds import draw_variants
 from ...plots.style import save_figure
 from ...reporter import Reporter
-from ...run.interruption import Noticed
 from ...scenario.display import format_number
 from ...store.csv_file import write_rows
 from .compare import find_worst
@@ -87,12 +88,11 @@ def sweep_variants(
     variants' labels. If Ctrl-C ends it, those that are there are put side by side."""
     found: dict[str, Swept] = {}
     try:
-        with Noticed() as interruption:
+        with deferred():
             for number, (variant, tables) in enumerate(designs.items(), 1):
                 reporter.line(f"{variant.label} ({number} of {len(designs)})")
                 found[variant.label] = sweep(tables, out / variant.folder)
-                if interruption.asked:  # and a library made something else of it
-                    raise KeyboardInterrupt
+                look()
     finally:
         if swept := {label: one for label, one in found.items() if one.table.sizes["speed"]}:
             _report(swept, out, reporter)
