@@ -110,7 +110,8 @@ def find_best(
                 break
             step /= RATIO
     for name, signal, estimator in CONTROLLED:
-        for limit in (math.inf, RATIO * longest, longest) if estimator == "defect" else (math.inf,):
+        limits = {math.inf, RATIO * longest, longest} if estimator == "defect" else {math.inf}
+        for limit in sorted(limits, reverse=True):
             for power in POWERS:
                 relative = 10.0**power
                 master = MASTERS[name](extrapolation=signal)

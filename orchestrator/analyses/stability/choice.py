@@ -22,10 +22,12 @@ from models.core.system import ModelError, System
 from models.monolithic.trajectory import Trajectory
 
 from ...assessment.contacts import summarise_rows
+from ...engine.signals import DEGREES
 from ...errors import MistakeError, RunError, Set
 from ...masters import GaussSeidel, Iterated, Master, find_name
 from ...reporter import CHOICE, Reporter
 from ...scenario import Scenario, ScenarioError
+from ...scenario.capabilities import list_foreign
 from ...scenario.fmu_limits import FmuLimits
 from ...scenario.master_table import AUTO, MasterTable, StepControlTable
 from ...scenario.scenario import COMPARED_INTERVALS
@@ -36,7 +38,6 @@ from ...stepping.controlled import AIM
 from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
 from .behaviour import Behaviour
-from .linearisation import needs_run
 from .survey import WITHIN, AssessedMethod, Scope, Survey
 from .trajectory import solve_course
 from .trial import TOO_MANY, Outcome, Trial
@@ -56,6 +57,8 @@ HARD = 0.25
 TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(4, 33))
 # Tolerance of the motion that trials are compared with where there are impacts, over which errors grow.
 EXACT = 1e-11
+# Signals that are weighed: held values are never the least work.
+SIGNALS = tuple(DEGREES)[1:]
 # Predicted choices that are tried; the factor by which an error that cannot be measured counts as too large.
 TRIALS, LOST = 6, 8.0
 # Methods that make steps again, and tolerances of a step, the loosest first.
@@ -109,9 +112,9 @@ def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
 def find_choice(resolved: Resolved, reporter: Reporter) -> Choice:
     """What `auto` chooses; MistakeError, ModelError or RunError, which says why, if nothing can be chosen."""
     scenario = resolved.scenario
-    known, why = not needs_run(scenario), "no master is stable and within the tolerance at any step tried"
+    known, why = not list_foreign(scenario), "no master is stable and within the tolerance at any step tried"
     iterated = Iterated(tolerance=ITERATED * min(scenario.tolerance.values(), default=1.0))
-    scope = Scope((GaussSeidel(), iterated), scenario.stop_time / LEAST, refuse_impacts)
+    scope = Scope((GaussSeidel(), iterated), SIGNALS, scenario.stop_time / LEAST, refuse_impacts)
     try:
         found = survey_scenario(resolved, [], reporter, scope)
     except HardLandingError as landing:
@@ -208,7 +211,7 @@ def list_choices(found: Survey) -> Iterator[Choice]:
     for method in found.methods:
         stable = min(method.limit / MARGIN, longest)
         step = min(method.safe_step, stable)
-        if not (step > 0.0 and math.isfinite(method.cost)) or method.master.extrapolation == "hold":
+        if not (step > 0.0 and math.isfinite(method.cost)):
             continue
         count = math.ceil(scenario.stop_time / step * (1.0 - 1e-9))
         per_step = method.cost * method.advised_step

@@ -230,11 +230,6 @@ def linearise_points(
     return points, list(dict.fromkeys(map(str, left)))
 
 
-def needs_run(scenario: Scenario) -> bool:
-    """Whether the motion can only be had by a run, as not all of the system is in our equations."""
-    return bool(list_foreign(scenario))
-
-
 @contextmanager
 def open_linearisations(
     scenario: Scenario, system: System, participants: Mapping[str, ParticipantPlan]
@@ -244,6 +239,7 @@ def open_linearisations(
     Participants live as long as the block. Raises ScenarioError for one that has a field, and for one that
     cannot save its state if the repetition of its run would cost too much.
     """
+    foreign = list_foreign(scenario)
     with ExitStack() as stack:
         opened: dict[str, ParticipantLinearisation] = {}
         for name, table in scenario.components.items():
@@ -257,7 +253,7 @@ def open_linearisations(
                     "(field_tolerance) hide the responses to small changes",
                     ("take a film formula in its place, ", formula),
                 )
-            if ode and not needs_run(scenario) and not table.file:
+            if ode and not foreign and not table.file:
                 continue
             plan, instance = participants[name], system.instances[name]
             unit = plan.open_bare(name, instance)

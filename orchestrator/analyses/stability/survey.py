@@ -18,9 +18,10 @@ from ...engine.signals import DEGREES
 from ...masters import MASTERS, Master, find_name
 from ...run.plan import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
+from ...scenario.capabilities import list_foreign
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
-from .linearisation import POINTS, Point, linearise_points, needs_run
+from .linearisation import POINTS, Point, linearise_points
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
 from .trajectory import STRIDE, ParticipantLinearisation, run_course, solve_course
@@ -79,11 +80,12 @@ LONGER = 1.05
 
 @dataclass(frozen=True)
 class Scope:
-    """The masters that are assessed with every signal and order, up to the `longest` step (s).
+    """The masters that are assessed with these signals and every order, up to the `longest` step (s).
 
     `check` looks at the solved motion before and raises an error where nothing shall be assessed."""
 
     masters: Sequence[Master] = tuple(kind() for kind in MASTERS.values())
+    signals: Sequence[str] = tuple(DEGREES)
     longest: float = math.inf
     check: Callable[[System, Trajectory], None] = lambda system, motion: None
 
@@ -130,7 +132,7 @@ def survey(
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, participants)
     found = Survey(scenario, system, trajectory, watched, points, scope.longest)
     found.limits, found.participants, found.left_out = limits, participants, left
-    masters = found.list_masters(scope.masters)
+    masters = found.list_masters(scope)
     for i, master in enumerate(masters):
         found.methods.append(found.assess(master))
         progress(0.3 + 0.7 * (i + 1) / len(masters))
@@ -149,7 +151,7 @@ def _find_course(
     progress: Callable[[float], None],
 ) -> Trajectory:
     """The motion: solved, or where that is not possible run as the scenario is, in shorter steps."""
-    if not needs_run(scenario):
+    if not list_foreign(scenario):
         return solve_course(system, times, COURSE_TOLERANCE, progress)
     with open_participants(system, plans) as units:
         return run_course(system, units, scenario.master.build(), times, progress)
@@ -196,18 +198,19 @@ class Survey:
         """Variables that had a kink at a point."""
         return list(dict.fromkeys(kink for point in self.points for kink in point.kinks))
 
-    def list_masters(self, others: Sequence[Any]) -> list[Master]:
-        """The scenario's own master, then every master that its FMUs can take with every signal, in the best
-        order."""
+    def list_masters(self, scope: Scope) -> list[Master]:
+        """The scenario's own master, then those of the scope that its FMUs can take, in the best order."""
         own = self.scenario.master.build()
-        signals = list(DEGREES)[: self.highest + 1]
+        signals = [one for one in scope.signals if DEGREES[one] <= self.highest]
         orders, stiff = {signal: self.find_order(signal) for signal in signals}, self.partition.stiff
         unset = any(item.name == "order" for item in fields(own)) and not own.order
         if unset and orders.get(own.extrapolation) == tuple(self.system.instances):
             own = replace(own, order=orders[own.extrapolation])
         masters: list[Master] = [own]
         # Other options are those of the scenario's master.
-        for base in dict.fromkeys((*(own if isinstance(own, type(one)) else one for one in others), own)):
+        for base in dict.fromkeys(
+            [own if isinstance(own, type(one)) else one for one in scope.masters] + [own]
+        ):
             options = {item.name for item in fields(base)}
             if "extrapolation" not in options or (base.implicit and not self.limits.restorable):
                 continue
