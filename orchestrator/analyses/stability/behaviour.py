@@ -78,7 +78,7 @@ ROUNDING = 1e-6
 FASTER = 1.1
 # Spacing of the scan for the first unstable step: a share of the step, and radians of the fastest
 # participant's own oscillation. The scan can miss a narrower island of instability.
-SPACING = 0.03
+SHARE, SPACING = 0.03, 0.03
 # Oscillations that decay by exp(-this) within a step do not reduce the spacing.
 DECAYED = 5.0
 # Bisections of the first interval in which stability ends; ratio of the steps sampled beyond it.
@@ -219,12 +219,13 @@ class Behaviour:
 
 
 def find_stability_limit(
-    behaviour: Behaviour, first: float, longest: float, samples: list[StepBehaviour]
+    behaviour: Behaviour, first: float, longest: float, samples: list[StepBehaviour], share: float = SHARE
 ) -> float:
     """Find the step at which stability first ends; infinite if all scanned steps up to `longest` are stable.
 
-    Steps are scanned upwards by `SPACING` from `first`, or from a stable step below it, because stability can
-    end and return within a few per cent. Returns zero if no step is stable. Fills `samples`, ascending.
+    Steps are scanned upwards by `share` and `SPACING` from `first`, or from a stable step below it, because
+    stability can end and return within a few per cent. Returns zero if no step is stable. Fills `samples`,
+    ascending.
     """
     samples.append(behaviour.evaluate(first))
     while not samples[0].stable:
@@ -237,7 +238,7 @@ def find_stability_limit(
         if good >= longest:
             return math.inf
         slowest = 1.0 / max(behaviour.point.fastest(DECAYED / good), 1e-300)
-        samples.append(behaviour.evaluate(min(good + SPACING * min(good, slowest), longest)))
+        samples.append(behaviour.evaluate(min(good + min(share * good, SPACING * slowest), longest)))
     limit = _bisect(behaviour, good, samples[-1].step)
     while samples[-1].step * RATIO <= longest and not samples[-1].radius > SEEN:
         samples.append(behaviour.evaluate(samples[-1].step * RATIO))
@@ -253,7 +254,12 @@ def _bisect(behaviour: Behaviour, good: float, bad: float) -> float:
 
 
 def find_hardest_point(
-    points: Iterable[Point], master: Master, first: float, longest: float, couplings: Couplings | None = None
+    points: Iterable[Point],
+    master: Master,
+    first: float,
+    longest: float,
+    couplings: Couplings | None = None,
+    share: float = SHARE,
 ) -> tuple[Point, float]:
     """Find the point at which `master` has its smallest stability limit, and that limit."""
     worst: Point | None = None
@@ -263,7 +269,7 @@ def find_hardest_point(
             break  # no step is stable
         behaviour = Behaviour(point, master, couplings)
         if worst is None or not behaviour.evaluate(min(limit, longest)).stable:
-            found = find_stability_limit(behaviour, first, longest, [])
+            found = find_stability_limit(behaviour, first, longest, [], share)
             if worst is None or found < limit:
                 worst, limit = point, found
     assert worst is not None

@@ -59,6 +59,8 @@ TOLERANCES = tuple(10.0 ** (-0.25 * k) for k in range(4, 33))
 EXACT = 1e-11
 # Signals that are weighed: held values are never the least work.
 SIGNALS = tuple(DEGREES)[1:]
+# Steps are scanned for stability by this share: a trial follows, which sees what lies between them.
+SHARE = 0.1
 # Predicted choices that are tried; the factor by which an error that cannot be measured counts as too large.
 TRIALS, LOST = 6, 8.0
 # Methods that make steps again, and tolerances of a step, the loosest first.
@@ -114,7 +116,7 @@ def find_choice(resolved: Resolved, reporter: Reporter) -> Choice:
     scenario = resolved.scenario
     known, why = not list_foreign(scenario), "no master is stable and within the tolerance at any step tried"
     iterated = Iterated(tolerance=ITERATED * min(scenario.tolerance.values(), default=1.0))
-    scope = Scope((GaussSeidel(), iterated), SIGNALS, scenario.stop_time / LEAST, refuse_impacts)
+    scope = Scope((GaussSeidel(), iterated), SIGNALS, scenario.stop_time / LEAST, SHARE, refuse_impacts)
     try:
         found = survey_scenario(resolved, [], reporter, scope)
     except HardLandingError as landing:
@@ -162,14 +164,18 @@ class _Tries:
         """The cheapest of the methods that make a step again where its error is too large."""
         best: Choice | None = None
         for master, estimator in AGAIN:
-            for relative in STEP_TOLERANCES:
-                most = best.cost if best else math.inf
+            loosest, end = 0, len(STEP_TOLERANCES)
+            while loosest < end:
+                middle, most = (loosest + end) // 2, best.cost if best else math.inf
+                relative = STEP_TOLERANCES[middle]
                 tried = Choice(master, self._scenario.macro_step, most, why, 4, relative, estimator)
                 made = self._run(tried)
                 if made.good:
                     best = replace(tried, cost=made.steps)
                 if made.good or made.note == TOO_MANY:
-                    break
+                    end = middle
+                else:
+                    loosest = middle + 1
         return best
 
     def _run(self, choice: Choice) -> Outcome:

@@ -20,7 +20,7 @@ from ...run.plan import ParticipantPlan, open_participants
 from ...scenario import Scenario, ScenarioError
 from ...scenario.capabilities import list_foreign
 from ...scenario.fmu_limits import FmuLimits
-from .behaviour import Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
+from .behaviour import SHARE, Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
 from .linearisation import POINTS, Point, linearise_points
 from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
 from .partition import Partition
@@ -82,11 +82,13 @@ LONGER = 1.05
 class Scope:
     """The masters that are assessed with these signals and every order, up to the `longest` step (s).
 
-    `check` looks at the solved motion before and raises an error where nothing shall be assessed."""
+    They are scanned by `share` of the step. `check` looks at the solved motion before and raises an error
+    where nothing shall be assessed."""
 
     masters: Sequence[Master] = tuple(kind() for kind in MASTERS.values())
     signals: Sequence[str] = tuple(DEGREES)
     longest: float = math.inf
+    share: float = SHARE
     check: Callable[[System, Trajectory], None] = lambda system, motion: None
 
 
@@ -130,7 +132,7 @@ def survey(
     if not limits.variable_step:  # which gets to whole strides only
         rows = np.unique(rows // STRIDE * STRIDE)
     points, left = linearise_points(system, trajectory, rows.tolist(), watched, participants)
-    found = Survey(scenario, system, trajectory, watched, points, scope.longest)
+    found = Survey(scenario, system, trajectory, watched, points, scope)
     found.limits, found.participants, found.left_out = limits, participants, left
     masters = found.list_masters(scope)
     for i, master in enumerate(masters):
@@ -173,7 +175,7 @@ class Survey:
 
     def __init__(
         self, scenario: Scenario, system: System, trajectory: Trajectory, watched: list[Port],
-        points: list[Point], longest: float,
+        points: list[Point], scope: Scope,
     ) -> None:  # fmt: skip
         self.scenario, self.system, self.points, self.motion = scenario, system, points, trajectory
         self.methods: list[AssessedMethod] = []
@@ -185,9 +187,14 @@ class Survey:
         # The highest degree of a signal that participants follow.
         self.highest = max(self._couplings.get(point, hermite, 1).highest for point in points)
         self._first = scenario.macro_step / DOWN
-        self._longest = min(UP * scenario.macro_step, scenario.stop_time, max(longest, scenario.macro_step))
+        self._longest = min(
+            UP * scenario.macro_step, scenario.stop_time, max(scope.longest, scenario.macro_step)
+        )
+        self._share = scope.share
         probe = MASTERS["jacobi"]()
-        self.hardest_point, _ = find_hardest_point(points, probe, self._first, self._longest, self._couplings)
+        self.hardest_point, _ = find_hardest_point(
+            points, probe, self._first, self._longest, self._couplings, self._share
+        )
         sources = Behaviour(points[0], probe, self._couplings).sources
         self.sampled: SampledTrajectory = sample_trajectory(trajectory, system, sources)
         self._names = {str(port): sources.index(port) for port in watched}
@@ -247,7 +254,7 @@ class Survey:
         if len(orders) == 1:
             return orders[0]
         found = {order: build(self.hardest_point, order) for order in orders}
-        limit = find_stability_limit(build(self.hardest_point), self._first, self._longest, [])
+        limit = self._find_stability_limit(build(self.hardest_point), self._longest)
         step, equal = min(max(ALMOST * limit, self._first), self._longest), orders
         while stable := [order for order in equal if found[order].evaluate(step).stable]:
             equal = stable
@@ -276,17 +283,23 @@ class Survey:
     def _find_limit(self, master: Master) -> AssessedMethod:
         found = AssessedMethod(master)
         worst = Behaviour(self.hardest_point, master, self._couplings)
-        found.limit = find_stability_limit(worst, self._first, self._longest, found.samples)
+        found.limit = self._find_stability_limit(worst, self._longest, found.samples)
         found.hardest_time = self.hardest_point.time
         for point in self.points:
             other = Behaviour(point, master, self._couplings)
             just = min(ALMOST * found.limit, self._longest)
             if found.limit > 0.0 and not other.evaluate(just).stable:
-                found.limit = min(found.limit, find_stability_limit(other, self._first, just, []))
+                found.limit = min(found.limit, self._find_stability_limit(other, just))
                 worst, found.hardest_time = other, point.time
         if 0.0 < found.limit < math.inf:
             found.growing_output = worst.find_growing_output(1.1 * found.limit)
         return found
+
+    def _find_stability_limit(
+        self, behaviour: Behaviour, longest: float, samples: list[StepBehaviour] | None = None
+    ) -> float:
+        samples = [] if samples is None else samples
+        return find_stability_limit(behaviour, self._first, longest, samples, self._share)
 
     def behave(self, master: Master) -> Behaviour:
         """A master about the typical point."""
@@ -316,7 +329,7 @@ class Survey:
         while factor * interval < found.limit and len(self.sampled.values) > 8 * factor:
             # The scan of the hardest point does not show islands of instability of this one.
             if not behaviour.evaluate(factor * interval).stable:
-                found.limit = find_stability_limit(behaviour, self._first, factor * interval, [])
+                found.limit = self._find_stability_limit(behaviour, factor * interval)
                 found.growing_output, found.hardest_time = (
                     behaviour.find_growing_output(factor * interval),
                     self.typical.time,
