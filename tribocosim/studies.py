@@ -168,28 +168,34 @@ def sensitivities(
     speed: str | None = None,
     parameters: Sequence[str] = (),
     *,
+    run: bool = False,
     out: str | Path | None = None,
     workers: int | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> xarray.Dataset:
-    """How the figures of merit of the steady cycle at `speed`, by default the scenario's, change with
-    `parameters`, over (figure, parameter): `elasticity`, the relative change over that of the parameter, and
-    its `error`. The attribute `method` is "tangents" where derivatives are exact, else "differences" of whole
-    cycles.
+    """How the figures of merit of the steady cycle at `speed`, by default the scenario's, or of the `run` of
+    the scenario from its start, change with `parameters`, over (figure, parameter): `elasticity`, the
+    relative change over that of the parameter, and its `error`. The attribute `method` is "tangents" where
+    derivatives are exact, else "differences" of whole cycles.
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
     ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on
-    there. RunError where the scenario's own motion is not steady.
+    there. RunError where the scenario's own motion is not steady, MistakeError where a run has no tangents.
     """
     check_study_packages()
+    from orchestrator.errors import MistakeError
     from orchestrator.study.run import Where
-    from orchestrator.study.speeds.sensitivities import find_sensitivities
+    from orchestrator.study.speeds.sensitivities import find_run_sensitivities, find_sensitivities
     from orchestrator.study.speeds.sweep import parse_speed
 
     content = read_tables(scenario)
     with _open_folder(out, "sensitivities") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
+        if run and speed is not None:
+            raise MistakeError(f"speed = {speed}: is that of a steady cycle; leave it out with run = True")
+        if run:
+            return find_run_sensitivities(content, parameters, folder, reporter)
         at = None if speed is None else parse_speed("speed", speed)
         return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
 

@@ -35,7 +35,8 @@ class Direction:
 @dataclass(frozen=True)
 class Rows:
     """Instants of a cycle (k,), with inputs and outputs (k, variables), and by how much all these change
-    in each direction (directions, ...): an instant stays at its share of the period, or at its event.
+    in each direction (directions, ...): an instant stays at its event, else at its share of the period, or at
+    the angle of a shaft.
     """
 
     times: Vector
@@ -49,7 +50,8 @@ class Rows:
 @dataclass(frozen=True)
 class CycleTangents:
     """`change` is the largest of a state over the period; `multipliers` are Floquet's, eigenvalues of Phi;
-    `start` is by how much the first state changes (states, directions)."""
+    `start` is by how much the first state changes (states, directions); `turning` is the state whose values
+    instants keep, where there is one."""
 
     system: System
     period: float
@@ -59,6 +61,7 @@ class CycleTangents:
     start: Vector
     _slopes: Slopes = field(repr=False)
     _flow: Flow = field(repr=False)
+    turning: int | None = None
 
     @property
     def begin(self) -> float:
@@ -99,7 +102,8 @@ class CycleTangents:
             moved = np.vstack([(tangents[:, :n] @ self.start + tangents[:, n:]).T, rate])
             _, by_input, by_output = self._slopes.along(t, x, np.ascontiguousarray(moved), steps)
             inputs[i], outputs[i] = self._slopes.evaluation.u, self._slopes.evaluation.y
-            times_by[:, i] = later.get(t, t * periods)
+            still = t * periods if self.turning is None else _keep(moved[:, self.turning])
+            times_by[:, i] = later.get(t, still)
             inputs_by[:, i] = by_input[:d] + np.outer(times_by[:, i], by_input[d])
             outputs_by[:, i] = by_output[:d] + np.outer(times_by[:, i], by_output[d])
         return Rows(times, inputs, outputs, times_by, inputs_by, outputs_by)
@@ -169,6 +173,11 @@ def _show_turn(progress: Progress, left: float, share: float) -> None:
     progress(1.0 - left + 0.5 * left * share)
 
 
+def _keep(value: Vector) -> Vector:
+    """By how much later a state has its value again: from its changes in each direction, then its rate."""
+    return np.zeros(value.size - 1) if value[-1] == 0.0 else -value[:-1] / value[-1]
+
+
 def differentiate_part(
     system: System, begin: float, duration: float, directions: Sequence[Direction], start: Vector,
     coarse: float = 1.0,
@@ -179,6 +188,19 @@ def differentiate_part(
         flow = Variation(slopes, coarse).move(start, duration, begin)
     still = np.zeros((start.size, len(directions)))
     return CycleTangents(system, duration, math.nan, np.empty(0), directions, still, slopes, flow)
+
+
+def differentiate_run(
+    system: System, duration: float, turning: str, directions: Sequence[Direction], moved: Vector,
+    progress: Progress = lambda share: None,
+) -> CycleTangents:  # fmt: skip
+    """The motion over a duration (s) from the system's start, which changes by `moved` (states, directions),
+    with its tangents. Instants keep the angle `turning`, so the run ends at its angle, not at its time."""
+    slopes = _find_slopes(system, directions)
+    with threadpool_limits(limits=1, user_api="blas"):
+        flow = Variation(slopes).move(system.x0, duration, progress=progress)
+    angle = system.state.names.index(turning)
+    return CycleTangents(system, duration, math.nan, np.empty(0), directions, moved, slopes, flow, angle)
 
 
 def _find_slopes(system: System, directions: Sequence[Direction]) -> Slopes:

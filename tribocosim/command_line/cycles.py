@@ -139,22 +139,26 @@ def run_sensitivities(
             show_default="speed and all continuous parameters but zeros and elements of arrays",
         ),
     ] = None,
+    run: Annotated[
+        bool, typer.Option("--run", help="Of the scenario's run from its start, in place of a steady cycle.")
+    ] = False,
     out: Annotated[Path | None, folder_option("results/SCENARIO-sensitivities")] = None,
     set_: Settings = None,
     workers: Workers = None,
     overwrite: Restart = False,
     as_json: Json = False,
 ) -> int:
-    """Find which parameters move the figures of merit of a valve train's steady cycle, and by how much.
+    """Find which parameters move a valve train's figures of merit, in its steady cycle or a run; by how much.
 
     The same command continues an interrupted one. Exit status 0: all cycles found, 1: some failed, 2: a
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()
+    from orchestrator.errors import MistakeError, Option
     from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.study.run import Where
-    from orchestrator.study.speeds.sensitivities import find_sensitivities, publish
+    from orchestrator.study.speeds.sensitivities import find_run_sensitivities, find_sensitivities, publish
     from orchestrator.study.speeds.sweep import parse_speed
 
     from ..scenario import read_tables
@@ -164,10 +168,14 @@ def run_sensitivities(
     folder = out or Path("results") / f"{checked.name}-sensitivities"
     reporter = build_reporter(as_json)
     at = None if speed is None else parse_speed("speed", speed)
+    if run and speed is not None:
+        raise MistakeError((Option("speed", speed), ": is that of a steady cycle; leave it out with --run"))
     with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
-        found = find_sensitivities(
-            tables, at, parameter or [], folder, Where(workers=workers), reporter, overwrite
-        )
+        if run:
+            found = find_run_sensitivities(tables, parameter or [], folder, reporter)
+        else:
+            where = Where(workers=workers)
+            found = find_sensitivities(tables, at, parameter or [], folder, where, reporter, overwrite)
     publish(found, checked, folder, reporter)
     if as_json:
         print_json(found.to_dict())

@@ -1,10 +1,11 @@
-"""How the figures of merit of a steady cycle change with parameters, from the cycle's tangents.
+"""How the figures of merit of a steady cycle, or of a run, change with parameters, from tangents.
 
-A figure is a function of the rows of a cycle, and its change that of this function along the rows' tangents.
+A figure is a function of the rows of a motion, and its change that of this function along the rows' tangents.
 Rows stand at equal distances, on both sides of every event, and close together where figures stand: an
 extreme changes as the value at its instant does.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
@@ -13,11 +14,18 @@ import numpy as np
 
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
-from models.monolithic.cycle_tangents import CycleTangents, Direction, Rows, differentiate_cycle
+from models.monolithic.cycle_tangents import (
+    CycleTangents,
+    Direction,
+    Rows,
+    differentiate_cycle,
+    differentiate_run,
+)
 
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
 from ...reporter import show_share
+from ...scenario.system import build_system, resolve_start
 from .subject import SAMPLES, SpeedSubject, find_angle
 
 SPEED = "speed"
@@ -25,6 +33,8 @@ SPEED = "speed"
 NEAR, TURNS = 20, 3
 # Of a parameter: by this much rows are moved along their tangents.
 SHARE = 1e-6
+# Of a parameter: differences of the state in which a run begins.
+START_SHARE = 1e-4
 
 
 # The value, and the row at which it stands.
@@ -46,15 +56,13 @@ def find_slopes(
     or of the `SPEED` (rad/s). ModelError where the cycle has no tangents, or there is none."""
     show_share(0.0, ", the cycle")
     cycle, flywheel = subject.find_cycle_at(speed), subject.flywheel
-    period, directions = float(cycle.times[-1]), []
+    period = float(cycle.times[-1])
     if not cycle.steady:
         raise ModelError(f"no steady cycle: a period changes states by {cycle.change:.2g} of their sizes")
-    for changes in parameters:
-        own = {name: size for name, size in changes.items() if name != SPEED}
-        faster = changes.get(SPEED, 0.0)
-        if faster:
-            own |= {f"{flywheel}.initial_speed": faster, f"{flywheel}.final_speed": faster}
-        directions.append(Direction(own, -period * faster / speed))
+    directions = [
+        Direction(_spread(cycle.system, flywheel, changes), -period * changes.get(SPEED, 0.0) / speed)
+        for changes in parameters
+    ]
     turning = [f"{flywheel}.angle"]
     tangents = differentiate_cycle(
         cycle.system, period, turning, directions, cycle.end,
@@ -63,9 +71,50 @@ def find_slopes(
     return differentiate_figures(tangents, flywheel)
 
 
-def differentiate_figures(tangents: CycleTangents, flywheel: str) -> dict[str, FigureSlopes]:
-    """Of all figures by "part.figure", but angles and those that a cycle has not."""
-    rows = tangents.rows_at(_find_times(tangents, flywheel))
+def find_run_slopes(
+    subject: SpeedSubject, parameters: Sequence[Mapping[str, float]]
+) -> dict[str, FigureSlopes]:
+    """Of the scenario's run, from its start to the angle of its end. Directions are as in `find_slopes`; the
+    `SPEED` is the larger one at both ends of a run-up. ModelError where the motion has no tangents."""
+    scenario, flywheel, system = subject.scenario, subject.flywheel, build_system(subject.scenario)
+    directions = [Direction(_spread(system, flywheel, changes)) for changes in parameters]
+
+    begun = resolve_start(scenario, system)
+
+    def find_start(direction: Direction, share: float) -> tuple[float, Vector]:
+        try:
+            return share, resolve_start(scenario, _change(system, direction, share)).x0
+        except ModelError:  # beyond the edge of a range
+            return 0.0, begun.x0
+
+    sides = [(find_start(one, -START_SHARE), find_start(one, START_SHARE)) for one in directions]
+    moved = np.column_stack([(x - y) / (right - left) for (left, y), (right, x) in sides])
+    tangents = differentiate_run(
+        begun, scenario.stop_time, f"{flywheel}.angle", directions, moved,
+        progress=lambda share: show_share(share, ", its tangents"),
+    )  # fmt: skip
+    fastest = max(map(abs, _find_ends(system, flywheel).values()))
+    turns = math.ceil(scenario.stop_time * fastest / (2.0 * math.pi))
+    return differentiate_figures(tangents, flywheel, max(1, turns))
+
+
+def _find_ends(system: System, flywheel: str) -> dict[str, float]:
+    """The speeds (rad/s) of the drive before and after a run-up."""
+    names = (f"{flywheel}.initial_speed", f"{flywheel}.final_speed")
+    return {name: float(system.p[system.parameters.names.index(name)]) for name in names}
+
+
+def _spread(system: System, flywheel: str, changes: Mapping[str, float]) -> dict[str, float]:
+    """Changes of parameters; that of the `SPEED` is one of both ends of a run-up by the same share."""
+    found, ends = dict(changes), _find_ends(system, flywheel)
+    if faster := found.pop(SPEED, 0.0):
+        found |= {name: faster * value / max(ends.values(), key=abs) for name, value in ends.items()}
+    return found
+
+
+def differentiate_figures(tangents: CycleTangents, flywheel: str, turns: int = 1) -> dict[str, FigureSlopes]:
+    """Of all figures by "part.figure", but angles and those that a motion of so many turns has not."""
+    rows = tangents.rows_at(_find_times(tangents, flywheel, turns))
     values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
     count = len(tangents.directions)
     sides = []
@@ -81,11 +130,11 @@ def differentiate_figures(tangents: CycleTangents, flywheel: str) -> dict[str, F
     return found
 
 
-def _find_times(tangents: CycleTangents, flywheel: str) -> Vector:
+def _find_times(tangents: CycleTangents, flywheel: str, turns: int) -> Vector:
     """Where the rows stand."""
-    times = np.union1d(np.linspace(0.0, tangents.period, SAMPLES + 1), tangents.event_times())
+    times = np.union1d(np.linspace(0.0, tangents.period, turns * SAMPLES + 1), tangents.event_times())
     events = tangents.event_times()
-    distance = tangents.period / SAMPLES
+    distance = tangents.period / (turns * SAMPLES)
     for _ in range(TURNS):
         inputs, outputs = tangents.values_at(times)
         motion = _build_motion(tangents.system, times, inputs, outputs, flywheel)
@@ -102,7 +151,7 @@ def _move(tangents: CycleTangents, rows: Rows, direction: int, share: float, fly
         return values if share == 0.0 else values + share * by[direction]
 
     return _build_motion(
-        _change(tangents, direction, share),
+        _change(tangents.system, tangents.directions[direction], share),
         moved(rows.times, rows.times_by),
         moved(rows.inputs, rows.inputs_by),
         moved(rows.outputs, rows.outputs_by),
@@ -128,13 +177,12 @@ def _measure_sides(
     return found
 
 
-def _change(tangents: CycleTangents, direction: int, share: float) -> System:
-    """The system whose parameters the figures ask for."""
-    system = tangents.system
+def _change(system: System, direction: Direction, share: float) -> System:
+    """The system with this share of a change of its parameters."""
     if share == 0.0:
         return system
     instances = dict(system.instances)
-    for place, size in tangents.directions[direction].parameters.items():
+    for place, size in direction.parameters.items():
         name, _, parameter = place.partition(".")
         value = float(system.p[system.parameters.names.index(place)]) + share * size
         one = instances[name]

@@ -1,6 +1,6 @@
-"""How the figures of merit of a steady cycle change with parameters: by its tangents, or by differences.
+"""How the figures of merit of a steady cycle or of a run change with parameters: by tangents, or differences.
 
-Where the cycle has no tangents, whole cycles are compared.
+Where a cycle has no tangents, whole cycles are compared.
 
 For a share h of the parameter, D(h) = (g(1 + h) - g(1 - h))/(2 h) is the change of a figure g, and
 (4 D(h) - D(2 h))/3 has an error of order h^4. Its distance from D(h) is published with it: it is large where
@@ -41,7 +41,7 @@ from ..files import plan_axis
 from ..run import Where, run
 from ..store import DONE
 from ..subjects import NumberedSubject
-from .figure_slopes import SPEED, find_slopes
+from .figure_slopes import SPEED, FigureSlopes, find_run_slopes, find_slopes
 from .subject import (
     STEADY,
     SpeedSubject,
@@ -170,12 +170,9 @@ def find_sensitivities(
     their errors, over (figure, parameter); the cycles are kept in the folder `out`. MistakeError before
     anything is computed."""
     refuse_file(out)
-    scenario = build_scenario(tables)
-    flywheel = find_flywheel(scenario)
-    speed = find_own_speed(scenario, flywheel) if speed is None else speed
-    parameters = choose_parameters(scenario, flywheel, wanted)
-    # With the numbers that oils, tables and drawings give, so that each may vary alone.
-    base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)
+    base, parameters = _open(tables, wanted)
+    scenario = base.scenario
+    speed = find_own_speed(scenario, base.flywheel) if speed is None else speed
     subject = SensitivitySubject(base, speed, parameters)
     exact = _find_exact(base, speed, parameters, reporter)
     if exact is not None:
@@ -199,12 +196,46 @@ def find_sensitivities(
     return _build(found, parameters, speed=speed, status=status, method="differences")
 
 
+def find_run_sensitivities(
+    tables: Mapping[str, Any], wanted: Sequence[str], out: Path, reporter: Reporter
+) -> xarray.Dataset:
+    """The same of the scenario's run, from its start to its `stop_time`. MistakeError where it has no
+    tangents."""
+    refuse_file(out)
+    base, parameters = _open(tables, wanted)
+    values, stage = list_parameters(base.scenario), _name_stage("run", parameters)
+    speed = max((values[f"{base.flywheel}.{end}_speed"] for end in ("initial", "final")), key=abs)
+    with reporter.stage(stage):
+        found = find_run_slopes(base, _list_changes(base, speed, parameters))
+    reporter.line(f"exact {stage}")
+    return _divide(found, parameters, speed=speed, stop_time=base.scenario.stop_time)
+
+
+def _open(tables: Mapping[str, Any], wanted: Sequence[str]) -> tuple[SpeedSubject, tuple[str, ...]]:
+    """The scenario with the numbers that oils, tables and drawings give, so that each may vary alone, and the
+    parameters that do."""
+    scenario = build_scenario(tables)
+    flywheel = find_flywheel(scenario)
+    base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)
+    return base, choose_parameters(scenario, flywheel, wanted)
+
+
+def _name_stage(motion: str, parameters: Sequence[str]) -> str:
+    return f"derivatives of the {motion} by {tally(len(parameters), 'parameter')}"
+
+
+def _list_changes(base: SpeedSubject, speed: float, parameters: Sequence[str]) -> list[dict[str, float]]:
+    """Of each parameter by all of its value."""
+    values = {SPEED: speed, **list_parameters(base.scenario)}
+    return [{name: values[name]} for name in parameters]
+
+
 def _build(
     found: Mapping[str, tuple[float, Vector, Vector]], parameters: Sequence[str], **attributes: Any
 ) -> xarray.Dataset:
     """By figure its value, elasticities and their errors."""
     if not found:
-        raise RunError(f"no figure of the cycle changes with {', '.join(parameters)}")
+        raise RunError(f"no figure of merit changes with {', '.join(parameters)}")
     value, elasticity, error = (np.array(column) for column in zip(*found.values(), strict=True))
     both = ("figure", "parameter")
     return xarray.Dataset(
@@ -218,20 +249,26 @@ def _find_exact(
     base: SpeedSubject, speed: float, parameters: Sequence[str], reporter: Reporter
 ) -> xarray.Dataset | None:
     """The same by the cycle's tangents; None, and why, where it has none. RunError without a steady cycle."""
-    values = {SPEED: speed, **list_parameters(base.scenario)}
     try:
-        with reporter.stage(f"derivatives of the steady cycle by {tally(len(parameters), 'parameter')}"):
-            found = find_slopes(base, speed, [{name: values[name]} for name in parameters])
+        with reporter.stage(_name_stage("steady cycle", parameters)):
+            found = find_slopes(base, speed, _list_changes(base, speed, parameters))
     except MistakeError as error:
         reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
         return None
+    reporter.line(f"exact {_name_stage('cycle', parameters)}")
+    return _divide(found, parameters, speed=speed)
+
+
+def _divide(
+    found: Mapping[str, FigureSlopes], parameters: Sequence[str], **attributes: float
+) -> xarray.Dataset:
+    """Slopes over their values."""
     shares = {
         name: (one.value, one.slopes / one.value, one.corners / abs(one.value))
         for name, one in found.items()
         if one.value and np.any(one.slopes)
     }
-    reporter.line(f"exact derivatives of the cycle by {tally(len(parameters), 'parameter')}")
-    return _build(shares, parameters, speed=speed, status=0, method="tangents")
+    return _build(shares, parameters, **attributes, status=0, method="tangents")
 
 
 def select_figures(dataset: xarray.Dataset) -> list[str]:
@@ -252,7 +289,9 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     largest = np.nanmax(np.abs(main["elasticity"].values), axis=0, initial=0.0)
     order = np.argsort(-largest, kind="stable")[:SHOWN]
     results = describe_numbers(scenario)
-    at = f"{scenario.name} at {RPM * dataset.attrs['speed']:.0f} r/min"
+    attributes = dataset.attrs
+    run = f" in a run of {1e3 * attributes['stop_time']:.4g} ms" if "stop_time" in attributes else ""
+    at = f"{scenario.name} at {RPM * attributes['speed']:.0f} r/min{run}"
     title = f"{at}: change in % for 1 % more of a parameter; ~ where it is uncertain by more than 5 %"
     heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
     columns = Column("parameter", no_wrap=True), "its value"
