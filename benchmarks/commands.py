@@ -1,6 +1,7 @@
 """Processor time of fresh processes and their children: imports, starts of FMUs, whole commands.
 
-Commands are warm, with everything compiled, as the second one of a user; starts of FMUs also cold.
+Commands are warm, with everything compiled, as the second one of a user; starts of FMUs and one command
+also cold.
 """
 
 import os
@@ -67,10 +68,11 @@ def run_python(*arguments: str, **environment: str) -> float:
     return after.children_user + after.children_system - before.children_user - before.children_system
 
 
-def run_command(scenario: str, *options: str) -> float:
+def run_command(scenario: str, *options: str, **environment: str) -> float:
     """Processor time (s) of a run with these options."""
     with TemporaryDirectory() as folder:
-        return run_python("-m", "tribocosim", "run", scenario, "--out", f"{folder}/run", *options)
+        command = "-m", "tribocosim", "run", scenario, "--out", f"{folder}/run"
+        return run_python(*command, *options, **environment)
 
 
 def solve_reference(system: System, times: np.ndarray) -> float:
@@ -114,6 +116,13 @@ def measure() -> Iterator[tuple[str, str]]:
     base = found[f"stepping alone, FMUs {PYTHON}"] + found["monolithic reference"]
     for name, seconds in found.items():
         yield f"whole command: {name}", f"{seconds:.2f} s ({seconds / base:.2f} x stepping and reference)"
+
+    with TemporaryDirectory() as folder:
+        kernels = f"{folder}/empty/kernels"  # as a wheel with compiled kernels has them
+        for name, shipped in {"empty": "", "empty, kernels of a wheel": kernels}.items():
+            environment = {"TRIBOCOSIM_CACHE": f"{folder}/{name}", "TRIBOCOSIM_KERNELS": shipped}
+            seconds = run_command("valve-train", **environment)
+            yield f"whole command: run valve-train, cache {name}", f"{seconds:.2f} s"
 
 
 def _step(system: System, files: dict[str, Path], steps: int) -> float:

@@ -51,6 +51,8 @@ if (_beside := Path(__file__).parents[2] / HOME).is_dir():
     os.environ.setdefault(SHIPPED, str(_beside))
 sys.modules.setdefault(HOME, python_types.ModuleType(HOME))
 
+# The layout of files; another writer's are not read.
+LAYOUT = 2
 # Code (bytes of LLVM's) of which a call takes no noticeable time.
 LARGE = 60_000
 
@@ -146,11 +148,13 @@ class KernelCache(caching._Cache):
     def _reduce(self, compiled: Any) -> Any:
         """What of the compiled code a file keeps."""
         # Only people read the annotated source; it is long and slow to make.
-        return compiled._replace(type_annotation="")._reduce()
+        return compiled.library.machine_code, compiled._replace(type_annotation="")._reduce()
 
     def _rebuild(self, target_context: Any, kept: Any) -> Any:
         """The compiled code, of what a file has kept."""
-        return rebuild(target_context, *kept)
+        machine_code, own = kept
+        _load(machine_code, target_context)
+        return rebuild(target_context, *own)
 
 
 class Link:
@@ -171,13 +175,17 @@ class LinkedKernelCache(KernelCache):
 
     def _reduce(self, compiled: Any) -> Any:
         compiled.fndesc.typemap = compiled.fndesc.calltypes = None  # numba does the same: some cannot be kept
-        module = compiled.library._get_module_for_linking()
-        return compiled.library.name, module.as_bitcode(), compiled.fndesc, compiled.signature
+        library = compiled.library
+        bitcode = None if _is_apart(library) else library._get_module_for_linking().as_bitcode()
+        return library.name, bitcode, library.machine_code, compiled.fndesc, compiled.signature
 
     def _rebuild(self, target_context: Any, kept: Any) -> Any:
-        name, bitcode, fndesc, signature = kept
+        name, bitcode, machine_code, fndesc, signature = kept
+        _load(machine_code, target_context)
         library = target_context.codegen().create_library(name)
-        library._final_module = library._shared_module = llvm.parse_bitcode(bitcode)
+        library.machine_code, library.apart = machine_code, bitcode is None
+        if bitcode:
+            library._final_module = library._shared_module = llvm.parse_bitcode(bitcode)
         library._finalized = True
         return assemble(
             typing_context=target_context.typing_context,
@@ -190,8 +198,8 @@ class LinkedKernelCache(KernelCache):
         )
 
 
-def finalize(library: Any) -> None:
-    """As numba does, without machine code.
+def finalize(library: Any, symbol: str) -> None:
+    """As numba does; the function of that symbol has machine code only where it is large.
 
     The code is optimized before its callers link it: left to them, large mechanisms ran 1.5 times as long.
     """
@@ -199,28 +207,36 @@ def finalize(library: Any) -> None:
     library.finalize()
     del library._finalize_final_module
     library._finalized = True
+    if len(library._get_module_for_linking().as_bitcode()) > LARGE:
+        library.enable_object_caching()
+        library._finalize_final_module()
+        library.machine_code[symbol], library.apart = library._get_compiled_object(), True
 
 
 def keep_apart(library: Any) -> None:
-    """Link large kernels that are called behind the optimization, which has been made of them alone.
+    """Call large kernels instead of linking them: their machine code is made once for all callers.
 
-    Each caller would otherwise optimize all below it once more, which takes most of the time of compilation.
+    Each caller would otherwise translate all below it once more, which takes most of the time of compilation.
+    `machine_code` has what is called, by symbol, also through kernels that are linked.
     """
-    large = [one for one in library._linking_libraries if _is_large(one)]
-    library._linking_libraries = [one for one in library._linking_libraries if one not in large]
-    optimize = library._optimize_final_module
-
-    def optimize_and_link() -> None:
-        optimize()
-        for one in dict.fromkeys(large):
-            library._final_module.link_in(one._get_module_for_linking(), preserve=True)
-
-    library._optimize_final_module = optimize_and_link
+    called = library._linking_libraries
+    library._linking_libraries = [one for one in called if not _is_apart(one)]
+    library.machine_code = {}
+    for one in called:
+        library.machine_code.update(getattr(one, "machine_code", {}))  # numba's own have none
 
 
-@functools.cache
-def _is_large(library: Any) -> bool:
-    return len(library._get_module_for_linking().as_bitcode()) > LARGE
+def _is_apart(library: Any) -> bool:
+    return getattr(library, "apart", False)
+
+
+def _load(machine_code: dict[str, bytes], target_context: Any) -> None:
+    """Have the large kernels in this process, each once."""
+    engine = target_context.codegen()._engine
+    for symbol, code in machine_code.items():
+        if not engine.is_symbol_defined(symbol):
+            engine._ee.add_object_file(llvm.ObjectFileRef.from_data(code))
+            engine._defined_symbols.add(symbol)
 
 
 @functools.cache
@@ -228,7 +244,7 @@ def _versions(codegen: Any) -> str:
     """A digest of what compiles, and for which processor."""
     settings = [(name, getattr(numba.config, name, None)) for name in _SETTINGS]
     numpy = np.__version__.rpartition(".")[0]  # numba asks for the minor version only
-    compilers = (sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, numpy)
+    compilers = (LAYOUT, sys.implementation.cache_tag, numba.__version__, llvmlite.__version__, numpy)
     return hashlib.sha256(repr((compilers, settings, codegen.magic_tuple())).encode()).hexdigest()[:16]
 
 

@@ -1,7 +1,7 @@
-"""numba's dispatcher of kernels: code that kernels call is linked into them, without machine code of its own.
+"""numba's dispatcher of kernels: only large ones that kernels call have machine code of their own.
 
-Most kernels are called by kernels only. The machine code and the entry for Python that numba would make for
-each of them take a third of the time of compilation.
+Most kernels are called by kernels only, which link them. The machine code and the entry for Python that numba
+would make for each of them take a third of the time of compilation.
 """
 
 import contextlib
@@ -34,7 +34,7 @@ def _rare_collections() -> Iterator[None]:
 
 
 class _Compiler(dispatcher._FunctionCompiler):
-    """As numba's; large kernels that are called, which have been optimized, aren't once more."""
+    """As numba's; large kernels that are called have machine code, and aren't linked."""
 
     def _customize_flags(self, flags: Any) -> Any:
         flags.no_compile = True  # here, after `keep_apart`
@@ -55,14 +55,14 @@ class _Compiler(dispatcher._FunctionCompiler):
 
 
 class _LinkCompiler(_Compiler):
-    """Compiles to code that callers link."""
+    """Compiles to code for callers."""
 
     def _customize_flags(self, flags: Any) -> Any:
         flags.no_compile = flags.no_cpython_wrapper = True
         return flags
 
     def _enter(self, compiled: Any) -> Any:
-        finalize(compiled.library)
+        finalize(compiled.library, compiled.fndesc.llvm_func_name)
         return Link()
 
 

@@ -38,6 +38,10 @@ def outer(function):
 
 def symbols(*functions):
     return {c.fndesc.mangled_name for f in functions for c in f.overloads.values()}
+
+def shared(*functions):
+    codes = [{*c.library.machine_code} for f in functions if f(1) for c in f.overloads.values()]
+    return len(set.intersection(*codes))
 """
 
 # A kernel that calls another through a module, which has a constant, both on the way to a named tuple.
@@ -124,9 +128,9 @@ def test_closures_from_the_cache_and_from_this_process_keep_apart(tmp_path: Path
 
 @pytest.mark.parametrize("large", ["", "from models.compile import kernel_cache as k; k.LARGE = 0; "])
 def test_a_kernel_serves_callers_and_python(large: str, tmp_path: Path) -> None:
-    """In either order: what a caller has linked has no entry for Python, which gets one when it calls.
+    """In either order: what is for callers has no entry for Python, which gets one when it calls.
 
-    A large one is linked behind the optimization of its callers."""
+    A large one has machine code that all callers share."""
     (tmp_path / "factory.py").write_text(FACTORY)
     begin = f"{large}from factory import *; a = made(3.0)"
     inner_last = f"{begin}; print(outer(a)(1.0), a(1.0), outer(outer(a))(2.0))"
@@ -135,8 +139,8 @@ def test_a_kernel_serves_callers_and_python(large: str, tmp_path: Path) -> None:
         assert run(tmp_path, inner_last).split() == ["9.0", "3.0", "162.0"]
         assert run(tmp_path, inner_first).split() == ["3.0", "9.0", "6.0"]
     # Another caller, of whole numbers, links what another process compiled.
-    once = f"{begin}; print(outer(a)(1), sum(a._cache_hits.values()))"
-    assert run(tmp_path, once) == "9.0 1\n"
+    once = f"{begin}; b = outer(a); print(b(1), sum(a._cache_hits.values()), shared(b, outer(b)))"
+    assert run(tmp_path, once) == f"9.0 1 {2 if large else 0}\n", "those of a for whole and for real numbers"
 
 
 def test_kernels_of_a_wheel_are_loaded_and_none_is_compiled(tmp_path: Path) -> None:
