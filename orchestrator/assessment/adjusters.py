@@ -1,10 +1,12 @@
 """What is asked of a hydraulic lash adjuster: pressure, leak-down, check valve, pump-up."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray
 
 from models.core import roles
 from models.core.quantities import Quantity, Vector
@@ -14,6 +16,9 @@ from ..scenario.display import format_number
 from .lost_contact import LOST, ContactLaw, find_lost
 from .motion import NONE, Found, Part
 from .trains import find_rigid_lift
+
+if TYPE_CHECKING:
+    import xarray  # takes long to import
 
 # A growth from turn to turn (m) that says nothing of a pump-up: the valve still rings on its seat.
 RINGING = 0.5e-6

@@ -1,14 +1,18 @@
 """Lost contact: its one definition, speeds at which it is met; where films and friction have a meaning."""
 
+from __future__ import annotations
+
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from models.compile.compiled import compiled
 from models.core.quantities import Vector
+
+if TYPE_CHECKING:
+    import xarray  # takes long to import
 
 # A load (N) below this is rounding.
 ROUNDING = 1e-9
