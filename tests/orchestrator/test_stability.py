@@ -26,7 +26,7 @@ from orchestrator.analyses.stability.linear_participants import (
     evaluate_ends,
 )
 from orchestrator.analyses.stability.linearisation import Point, linearise, linearise_at
-from orchestrator.analyses.stability.macro_step import predict_errors, sample_trajectory
+from orchestrator.analyses.stability.macro_step import follow_errors, sample_trajectory
 from orchestrator.analyses.stability.partition import Partition
 from orchestrator.analyses.stability.survey import round_down
 from orchestrator.errors import UnstableCouplingError
@@ -167,7 +167,7 @@ def estimate_errors(system, master, step, stop, watched=(), row=0):
     sources = behaviour.sources
     track = sample_trajectory(where, system, sources)
     found, defect = behaviour.macro_step(step), behaviour.find_defect(step)
-    expected = predict_errors(found, defect, track, 2, behaviour.single.nominal)
+    expected = follow_errors(found, defect, track, 2, behaviour.single.nominal).predict()
     run = run_coupled(system, master, step, stop)
     truth = where.outputs[::2, [system.outputs.index(port) for port in sources]]
     seen = [difference(run[str(port)], truth[:, i]).relative_rms for i, port in enumerate(sources)]

@@ -10,6 +10,7 @@ predicts: there steps that are made again where their error is too large are tri
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -254,19 +255,23 @@ class _Defect:
 
     def find_tolerance(self, longest: float) -> tuple[float, float] | None:
         """The largest tolerance of the defect that keeps the errors, and the mean step (s) with it."""
-        found = []
-        interval = self._survey.sampled.interval
-        for step in self._method.errors:
-            factor = round(step / interval)
-            defects = self._measure_defects(factor)
-            for relative in TOLERANCES:
-                lengths = self._predict_lengths(defects, relative, longest / step)
-                weights = lengths**self._behaviour.order
-                if self._survey.predict_excess(self._behaviour, factor, weights) <= 1.0 / WITHIN:
-                    mean = float(1.0 / np.mean(1.0 / lengths))
-                    found.append((abs(math.log(mean)), relative, mean * step))
-                    break
-        return min(found)[1:] if found else None
+        found = [self._find_tolerance(step, longest / step) for step in self._method.errors]
+        return min(filter(None, found))[1:] if any(found) else None
+
+    def _find_tolerance(self, step: float, longest: float) -> tuple[float, float, float] | None:
+        """From errors at one step: how far the mean step is from it; the tolerance; the mean step (s)."""
+        factor = round(step / self._survey.sampled.interval)
+        course, defects = self._survey.follow_errors(self._behaviour, factor), self._measure_defects(factor)
+
+        def keeps(relative: float) -> bool:
+            weights = self._predict_lengths(defects, relative, longest) ** self._behaviour.order
+            return self._survey.predict_excess(course, weights) <= 1.0 / WITHIN
+
+        first = bisect_left(TOLERANCES, True, key=keeps)
+        if first == len(TOLERANCES):
+            return None
+        mean = float(1.0 / np.mean(1.0 / self._predict_lengths(defects, TOLERANCES[first], longest)))
+        return abs(math.log(mean)), TOLERANCES[first], mean * step
 
     def _measure_defects(self, factor: int) -> Vector:
         """The defect at the end of each of the trajectory's steps, over what a tolerance of one allows."""

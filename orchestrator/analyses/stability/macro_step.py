@@ -125,33 +125,41 @@ def sample_trajectory(trajectory: Trajectory, system: System, sources: Sequence[
     )
 
 
-def predict_errors(
-    step: MacroStep, defect: Vector, track: SampledTrajectory, count: int, nominal: Vector,
-    weights: Vector | None = None,
-) -> Vector:  # fmt: skip
-    """Estimate the relative RMS error of each source for macro steps of `count` instants of the track.
+@dataclass(frozen=True)
+class ErrorCourse:
+    """Errors along the `values` of a track (steps x sources), linear about one point.
 
-    `weights` multiply the amounts of each step.
-
-    The errors obey e(n+1) = matrix e(n) + defect amounts(n), linear about one point: infinite if diverging.
+    The errors obey e(n+1) = matrix e(n) + weights(n) added(n), in nominal units.
     """
+
+    step: MacroStep
+    values: Vector
+    nominal: Vector
+    added: Vector
+
+    def predict(self, weights: Vector | float = 1.0) -> Vector:
+        """Estimate the relative RMS error of each source: infinite if diverging."""
+        driven, values, nominal = self.added * np.reshape(weights, (-1, 1)), self.values, self.nominal
+        error, sparse = np.zeros_like(values), csr_array(self.step.matrix)
+        with np.errstate(over="ignore", invalid="ignore"):
+            propagate(sparse.data, sparse.indices, sparse.indptr, driven, self.step.newest.start, error)
+            error = np.nan_to_num(error * nominal, nan=np.inf)
+            found = [
+                difference(error[:, i] + values[:, i], values[:, i], nominal[i]).relative_rms
+                if np.all(np.abs(error[:, i]) < 1e150)
+                else np.inf
+                for i in range(len(nominal))
+            ]
+        return np.array(found)
+
+
+def follow_errors(
+    step: MacroStep, defect: Vector, track: SampledTrajectory, count: int, nominal: Vector
+) -> ErrorCourse:
+    """The errors of macro steps of `count` instants of the track."""
     values = track.values[::count]
     amounts = (track.compute_extrapolation_errors(count, step.degrees) / nominal).reshape(len(values), -1)
-    driven = amounts @ defect[:, : amounts.shape[1]].T
-    if weights is not None:
-        driven *= weights[:, None]
-    error = np.zeros_like(values)
-    sparse = csr_array(step.matrix)
-    with np.errstate(over="ignore", invalid="ignore"):
-        propagate(sparse.data, sparse.indices, sparse.indptr, driven, step.newest.start, error)
-        error = np.nan_to_num(error * nominal, nan=np.inf)
-        found = [
-            difference(error[:, i] + values[:, i], values[:, i], nominal[i]).relative_rms
-            if np.all(np.abs(error[:, i]) < 1e150)
-            else np.inf
-            for i in range(len(nominal))
-        ]
-    return np.array(found)
+    return ErrorCourse(step, values, nominal, amounts @ defect[:, : amounts.shape[1]].T)
 
 
 @compiled

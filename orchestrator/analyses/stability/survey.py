@@ -22,7 +22,7 @@ from ...scenario.capabilities import list_foreign
 from ...scenario.fmu_limits import FmuLimits
 from .behaviour import SHARE, Behaviour, Couplings, StepBehaviour, find_hardest_point, find_stability_limit
 from .linearisation import POINTS, Point, linearise_points
-from .macro_step import SampledTrajectory, predict_errors, sample_trajectory
+from .macro_step import ErrorCourse, SampledTrajectory, follow_errors, sample_trajectory
 from .partition import Partition
 from .trajectory import STRIDE, ParticipantLinearisation, run_course, solve_course
 
@@ -239,7 +239,7 @@ class Survey:
         points = [point for point in self.points if not point.kinks] or self.points
         for point in points:
             behaviour = Behaviour(point, kind(), self._couplings)
-            excess.append(self._compute_excess(self._predict_errors(behaviour, FINER)))
+            excess.append(self.predict_excess(self.follow_errors(behaviour, FINER)))
         events = any(i.component.events for i in self.system.instances.values())
         return points[int(np.argsort(excess)[-1 if events else len(excess) // 2])]
 
@@ -263,9 +263,8 @@ class Survey:
             step = min(LONGER * step, self._longest)
         if len(equal) == 1 or not limit > self.scenario.macro_step:
             return equal[0]
-        return min(
-            equal, key=lambda order: max(self._predict_errors(build(self.typical, order), FINER).values())
-        )
+        errors = {o: self._predict_errors(self.follow_errors(build(self.typical, o), FINER)) for o in equal}
+        return min(equal, key=lambda order: max(errors[order].values()))
 
     def assess(self, master: Master) -> AssessedMethod:
         """Assess a master. Implicit masters converge to the same step, so only their costs differ."""
@@ -283,7 +282,7 @@ class Survey:
     def _find_limit(self, master: Master) -> AssessedMethod:
         found = AssessedMethod(master)
         worst = Behaviour(self.hardest_point, master, self._couplings)
-        found.limit = self._find_stability_limit(worst, self._longest, found.samples)
+        found.limit = find_stability_limit(worst, self._first, self._longest, found.samples, self._share)
         found.hardest_time = self.hardest_point.time
         for point in self.points:
             other = Behaviour(point, master, self._couplings)
@@ -295,32 +294,31 @@ class Survey:
             found.growing_output = worst.find_growing_output(1.1 * found.limit)
         return found
 
-    def _find_stability_limit(
-        self, behaviour: Behaviour, longest: float, samples: list[StepBehaviour] | None = None
-    ) -> float:
-        samples = [] if samples is None else samples
-        return find_stability_limit(behaviour, self._first, longest, samples, self._share)
+    def _find_stability_limit(self, behaviour: Behaviour, longest: float) -> float:
+        return find_stability_limit(behaviour, self._first, longest, [], self._share)
 
     def behave(self, master: Master) -> Behaviour:
         """A master about the typical point."""
         return Behaviour(self.typical, master, self._couplings)
 
-    def _predict_errors(
-        self, behaviour: Behaviour, factor: int, weights: Vector | None = None
-    ) -> dict[str, float]:
-        """Predicted errors for macro steps of `factor` intervals of the trajectory."""
+    def follow_errors(self, behaviour: Behaviour, factor: int) -> ErrorCourse | None:
+        """The errors of macro steps of `factor` intervals; None if the iteration does not converge."""
         operator = behaviour.macro_step(factor * self.sampled.interval)
         if operator is None:
+            return None
+        defect = behaviour.find_defect(operator.step)
+        return follow_errors(operator, defect, self.sampled, factor, behaviour.single.nominal)
+
+    def _predict_errors(self, course: ErrorCourse | None, weights: Vector | float = 1.0) -> dict[str, float]:
+        """Predicted errors; `weights` multiply what each step adds."""
+        if course is None:
             return dict.fromkeys(self._names, math.inf)
-        nominal, defect = behaviour.single.nominal, behaviour.find_defect(operator.step)
-        found = predict_errors(operator, defect, self.sampled, factor, nominal, weights)
+        found = course.predict(weights)
         return {name: float(found[i]) for name, i in self._names.items()}
 
-    def predict_excess(self, behaviour: Behaviour, factor: int, weights: Vector | None = None) -> float:
-        """The largest predicted error over its tolerance, for macro steps of `factor` intervals.
-
-        `weights` multiply the error that each of these steps makes."""
-        return self._compute_excess(self._predict_errors(behaviour, factor, weights))
+    def predict_excess(self, course: ErrorCourse | None, weights: Vector | float = 1.0) -> float:
+        """The largest predicted error over its tolerance."""
+        return self._compute_excess(self._predict_errors(course, weights))
 
     def _predict_steps(self, found: AssessedMethod) -> None:
         """Predict errors over the step, and the largest steps that stability and tolerance allow."""
@@ -335,12 +333,13 @@ class Survey:
                     self.typical.time,
                 )
                 break
-            found.errors[factor * interval] = errors = self._predict_errors(behaviour, factor)
+            errors = self._predict_errors(self.follow_errors(behaviour, factor))
+            found.errors[factor * interval] = errors
             if factor * interval >= self._longest or self._compute_excess(errors) > 100.0:
                 break
             factor *= 2
         if interval < found.limit and self._compute_excess(found.errors.get(step, {})) > 1.0:
-            found.errors[interval] = self._predict_errors(behaviour, 1)
+            found.errors[interval] = self._predict_errors(self.follow_errors(behaviour, 1))
         found.errors = dict(sorted(found.errors.items()))
         excess = {at: self._compute_excess(errors) for at, errors in found.errors.items()}
         found.accurate_step = find_step_at_error(excess, behaviour.order, 1.0)
