@@ -13,6 +13,7 @@ from .core.quantities import Condition, Quantity, Vector, layouts
 from .plausible import RAMP, SPEED
 
 FREE, PRESCRIBED = 0.0, 1.0
+IF_PRESCRIBED = Condition(("motion",), ("prescribed",))
 LINEAR, SMOOTH = 0.0, 1.0
 
 
@@ -23,15 +24,19 @@ class Parameters:
     )
     inertia: float = kinds.INERTIA("moment of inertia", 0.1, nominal=0.1)
     initial_speed: float = kinds.SPEED(
-        "prescribed speed before the ramp", 1000.0 * math.pi / 30.0, plausible=SPEED
-    )
+        "prescribed speed before the ramp", 1000.0 * math.pi / 30.0, plausible=SPEED,
+        only=Condition(("motion",), ("prescribed",), instead="start.speed"),
+    )  # fmt: skip
     final_speed: float = kinds.SPEED(
-        "prescribed speed after the ramp", 1000.0 * math.pi / 30.0, same_as="initial_speed", plausible=SPEED
+        "prescribed speed after the ramp", 1000.0 * math.pi / 30.0, same_as="initial_speed", plausible=SPEED,
+        only=IF_PRESCRIBED,
+    )  # fmt: skip
+    ramp_start: float = kinds.TIME("time at which the ramp begins", plausible=RAMP, only=IF_PRESCRIBED)
+    ramp_duration: float = kinds.TIME(
+        "length of the ramp", 1.0, positive=True, plausible=RAMP, only=IF_PRESCRIBED
     )
-    ramp_start: float = kinds.TIME("time at which the ramp begins", plausible=RAMP)
-    ramp_duration: float = kinds.TIME("length of the ramp", 1.0, positive=True, plausible=RAMP)
     ramp_shape: float = kinds.NUMBER(
-        "linear in time, or smooth (3 r^2 - 2 r^3)", LINEAR, choices=("linear", "smooth")
+        "linear in time, or smooth (3 r^2 - 2 r^3)", LINEAR, choices=("linear", "smooth"), only=IF_PRESCRIBED
     )
     throw: Vector = kinds.PHASE.each("angle by which a crank throw lags the shaft", "throws")
 
@@ -43,7 +48,7 @@ class State:
         "speed of the free shaft",
         1000.0 * math.pi / 30.0,
         plausible=SPEED,
-        only=Condition("motion", "free", instead="initial_speed"),
+        only=Condition(("motion",), ("free",), instead="parameters.initial_speed"),
     )
 
 

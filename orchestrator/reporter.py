@@ -59,6 +59,9 @@ class Show(Protocol):
 _innermost: ContextVar[Show | None] = ContextVar("innermost", default=None)
 
 
+_coupling: ContextVar[bool] = ContextVar("coupling", default=False)
+
+
 def show_share(share: float, words: str = "") -> None:
     """Show the share that is done of the stage around the caller, if there is one."""
     look()
@@ -114,6 +117,12 @@ class SafeConsole(Console):
             self.quiet = True
 
 
+def _look_outside() -> None:
+    """Look for an interruption, but not in the steps of a coupled run: it would be an FMU's error."""
+    if not _coupling.get():
+        look()
+
+
 @contextmanager
 def tell_compilation() -> Iterator[None]:
     """Around a command: what is compiled outside its stages is told on standard error, again every 20 s."""
@@ -128,7 +137,7 @@ def tell_compilation() -> Iterator[None]:
         SafeConsole(stderr=True, highlight=False).print(f"{COMPILES}{since}", soft_wrap=True)
         told = now
 
-    with announce_compilation(begin, lambda seconds: None):
+    with announce_compilation(begin, lambda seconds: None, _look_outside):
         yield
 
 
@@ -190,11 +199,12 @@ class Reporter:
 
             look()
             self._progress(text, 0.0)
-            around = _innermost.set(show)
+            around, coupling = _innermost.set(show), _coupling.set(text.startswith(COUPLED))
             try:
                 yield Bar(show, stop_time)
             finally:
                 _innermost.reset(around)
+                _coupling.reset(coupling)
             look()
             self._progress(text, 1.0)
 

@@ -105,7 +105,9 @@ def to_plain(value: Any) -> Any:
         return value if math.isfinite(value) else None
     if hasattr(value, "item"):  # a number of numpy, which only some commands import
         return to_plain(value.item())
-    return str(value)
+    if isinstance(value, Path):
+        return str(value)
+    raise TypeError(f"{value!r}: has no JSON")
 
 
 def parse_value(text: str) -> Any:

@@ -10,7 +10,7 @@ deflection is delta = approach - retreat + h and W = W_Hertz(delta) (1 + c delta
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from .. import kinds
@@ -18,7 +18,7 @@ from ..compile.kernel import kernel
 from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component
-from ..core.quantities import Quantity, Vector, layouts
+from ..core.quantities import Condition, Quantity, Vector, layouts
 from .films import FILMS, film_by_number
 from .films.groups import find_conditions, groups
 from .hertz import elastic_energy, load_and_deflection, maximum_pressure, pair_compliance
@@ -27,6 +27,7 @@ from .mixed_lubrication import fill_surface_outputs, heat_contact
 from .records import (
     BONDS,
     FILM_STATE,
+    IF_FILM,
     OIL_CONDUCTIVITY,
     POSITIVE,
     TEMPERATURE_RISE,
@@ -53,6 +54,8 @@ W_LOW, W_HIGH = TABLE_3["load"]
 U_LOW, U_HIGH = TABLE_3["speed"]
 
 
+IF_LOAD_IS_FOUND = Condition(("load_is_given",), (False,))
+IF_WARM = Condition(("inlet_heating", "film_heating"))
 FILM_IS_DRY = float(list(FILMS).index("dry"))
 
 
@@ -62,17 +65,20 @@ class ContactParameters(HeatParameters, SharedParameters):
 
     film_model: float = Quantity("1", "film thickness formula", choices=tuple(FILMS)).default()
     squeeze_constant: float = POSITIVE(
-        "constant C of the squeeze term (K 10)", SQUEEZE_CONSTANT, nominal=100.0
+        "constant C of the squeeze term (K 10)", SQUEEZE_CONSTANT, nominal=100.0, only=IF_FILM
     )
     contact_damping: float = kinds.DAMPING(
-        "damping c of the contact at the reference load", 920.0, nominal=1e3
+        "damping c of the contact at the reference load", 920.0, nominal=1e3, only=IF_LOAD_IS_FOUND
     )
     damping_reference_load: float = kinds.FORCE(
-        "load at which the damping is c; it grows with the load", 450.0, positive=True
+        "load at which the damping is c; it grows with the load",
+        450.0,
+        positive=True,
+        only=IF_LOAD_IS_FOUND,
     )
     inlet_heating: float = kinds.SWITCH("heat of shear in the inlet thins the film")
-    temperature_viscosity: float = TEMPERATURE_VISCOSITY.default(0.03)
-    oil_conductivity: float = OIL_CONDUCTIVITY.default(0.14)
+    temperature_viscosity: float = replace(TEMPERATURE_VISCOSITY, only=IF_WARM).default(0.03)
+    oil_conductivity: float = replace(OIL_CONDUCTIVITY, only=IF_WARM).default(0.14)
     film_heating: float = kinds.SWITCH("heat of shear in the film thins the oil there")
 
 

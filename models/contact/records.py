@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 from .. import kinds, plausible
 from ..core.component import PowerBond
-from ..core.quantities import Layout, Quantity
+from ..core.quantities import Condition, Layout, Quantity
+from .films import FILMS
 from .fluid import VISCOSITY_LAWS
 from .hertz import ELASTIC_LIMIT
 from .oils import COLDEST, HOTTEST
@@ -17,6 +18,11 @@ from .rheology import LIMITING_LAWS
 # an engine's oil be no thicker (Pa.s) where it is cranked in the cold (grade 25W). Two coarsely turned
 # surfaces of Ra 12.5 um (ISO 1302: N10) have 22 um rms together.
 LONGEST, THICKEST, ROUGHEST = 1.0, 13.0, 22e-6
+
+# The options of a contact that bring a film, Roelands' law and heat of the film into play.
+IF_FILM = Condition(("film_model",), tuple(name for name in FILMS if name != "dry"))
+IF_ROELANDS = Condition(("viscosity_law",), ("roelands",))
+IF_HEATED = Condition(("film_heating",))
 
 POISSONS_RATIO = Quantity("1", minimum=0.0, maximum=0.5)
 YIELD_PRESSURE = Quantity("Pa", nominal=1e9, positive=True, plausible=plausible.YIELD_PRESSURE)
@@ -51,13 +57,15 @@ class SharedParameters:
         positive=True,
         plausible=plausible.PRESSURE_VISCOSITY,
     ).default(1.8e-8)
-    film_load_floor: float = Quantity("N", "least load that the film is computed for", positive=True).default(
-        1.0
-    )
+    film_load_floor: float = Quantity(
+        "N", "least load that the film is computed for", positive=True, only=IF_FILM
+    ).default(1.0)
     viscosity_law: float = Quantity("1", "viscosity under pressure ", choices=VISCOSITY_LAWS).default()
-    roelands_exponent: float = POSITIVE("exponent z of Roelands' law", 0.68, maximum=1.0)
-    roelands_pressure: float = YIELD_PRESSURE("pressure p_r of Roelands' law", 1.96e8, nominal=1e8)
-    eyring_stress: float = SHEAR_STRESS("Eyring stress tau_0 of the film; 0: Newtonian")
+    roelands_exponent: float = POSITIVE("exponent z of Roelands' law", 0.68, maximum=1.0, only=IF_ROELANDS)
+    roelands_pressure: float = YIELD_PRESSURE(
+        "pressure p_r of Roelands' law", 1.96e8, nominal=1e8, only=IF_ROELANDS
+    )
+    eyring_stress: float = SHEAR_STRESS("Eyring stress tau_0 of the film; 0: Newtonian", only=IF_FILM)
     roughness: float = Quantity(
         "m",
         "composite rms roughness; 0: smooth",
@@ -65,16 +73,21 @@ class SharedParameters:
         minimum=0.0,
         maximum=ROUGHEST,
         display_unit="um",
+        only=IF_FILM,
     ).default(0.2e-6)
-    roughness_parameter: float = POSITIVE("density x radius x rms of asperities", 0.05, nominal=0.05)
-    asperity_slope: float = POSITIVE("rms over radius of asperities", 1e-3, nominal=1e-3)
+    roughness_parameter: float = POSITIVE(
+        "density x radius x rms of asperities", 0.05, nominal=0.05, only=IF_FILM
+    )
+    asperity_slope: float = POSITIVE("rms over radius of asperities", 1e-3, nominal=1e-3, only=IF_FILM)
     boundary_friction_coefficient: float = kinds.FRICTION_COEFFICIENT(
         "friction coefficient mu_b of asperities", 0.1
     )
     boundary_shear_stress: float = SHEAR_STRESS("shear stress tau_b of real contact besides")
-    limiting_shear_stress: float = SHEAR_STRESS("limiting shear stress tau_L0 at no pressure", 2e6)
+    limiting_shear_stress: float = SHEAR_STRESS(
+        "limiting shear stress tau_L0 at no pressure", 2e6, only=IF_FILM
+    )
     limiting_shear_coefficient: float = kinds.FRICTION_COEFFICIENT(
-        "growth gamma of the limit with pressure", 0.07
+        "growth gamma of the limit with pressure", 0.07, only=IF_FILM
     )
     limiting_law: float = Quantity(
         "1", "how the film's stress meets the limit", choices=LIMITING_LAWS
@@ -93,12 +106,12 @@ class HeatParameters:
 
     oil_temperature: float = Quantity(
         "K", "temperature T_0 of the oil, at which it has its viscosity", nominal=300.0, minimum=COLDEST,
-        maximum=HOTTEST,
+        maximum=HOTTEST, only=IF_HEATED,
     ).default(363.15)  # fmt: skip
-    conductivity_1: float = CONDUCTIVITY("heat conductivity of body 1 (cam)", 46.0)
-    heat_capacity_1: float = HEAT_CAPACITY("heat capacity rho c of body 1 (cam)", 3.6e6)
-    conductivity_2: float = CONDUCTIVITY("heat conductivity of body 2 (follower)", 46.0)
-    heat_capacity_2: float = HEAT_CAPACITY("heat capacity rho c of body 2 (follower)", 3.6e6)
+    conductivity_1: float = CONDUCTIVITY("heat conductivity of body 1 (cam)", 46.0, only=IF_HEATED)
+    heat_capacity_1: float = HEAT_CAPACITY("heat capacity rho c of body 1 (cam)", 3.6e6, only=IF_HEATED)
+    conductivity_2: float = CONDUCTIVITY("heat conductivity of body 2 (follower)", 46.0, only=IF_HEATED)
+    heat_capacity_2: float = HEAT_CAPACITY("heat capacity rho c of body 2 (follower)", 3.6e6, only=IF_HEATED)
 
 
 # m, about the size of an atom: a thinner film is none.

@@ -46,11 +46,17 @@ class Plausible:
 
 @dataclass(frozen=True)
 class Condition:
-    """A value has an effect only where `parameter` is `choice`; elsewhere the parameter `instead` has it."""
+    """A value has an effect only where one of `parameters` is among the `choices`, or is not zero where there
+    are none; a component without any of them has no such condition. Elsewhere `instead` has it, as
+    "parameters.NAME"."""
 
-    parameter: str
-    choice: str
-    instead: str
+    parameters: tuple[str, ...]
+    choices: tuple[bool | str, ...] = ()
+    instead: str = ""
+
+    def admits(self, value: bool | float | str) -> bool:
+        """Whether a parameter of this value lets the other have an effect."""
+        return value in self.choices if self.choices else bool(value)
 
 
 @dataclass(frozen=True)
@@ -64,8 +70,8 @@ class Quantity:
     it begins as its component lets it and is not set, shown or brought to rest from outside. A state that
     `accumulates` is a sum over time on which no motion depends: steady cycles begin it anew. `same_as`
     names the parameter whose value a scenario takes where this one is not given. A value outside the
-    `plausible` magnitudes is allowed, but probably a slip of the unit. A start value may count
-    `only` on a condition.
+    `plausible` magnitudes is allowed, but probably a slip of the unit. A parameter or start
+    value may count `only` on a condition.
     """
 
     unit: str

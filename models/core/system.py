@@ -71,7 +71,8 @@ def parse_port(text: str, instances: Mapping[str, Instance], kind: str) -> Port:
 class System:
     """Connected instances as one problem.
 
-    `connections` maps inputs to the outputs that drive them, both as "instance.variable". The vectors of
+    `connections` maps inputs to the outputs that drive them, both as "instance.variable"; `drivers` has the
+    driving output of each such input. The vectors of
     all instances stand one after the other in the order of `instances`: state `x0`, parameters `p`,
     inputs and outputs. Inputs that `torn` outputs drive take their assumed values (`cuts`: numbers of torn
     outputs, and inputs), others the computed ones (`wires`: outputs, and inputs). Raises ModelError for
@@ -83,7 +84,7 @@ class System:
             raise ModelError("the system has no components")
         self.instances = dict(instances)
         self.connections = tuple(self._connection(source, target) for source, target in connections)
-        self._check_single_driver()
+        self.drivers = self._find_drivers()
         self.state = _Slots({name: i.component.state for name, i in self.instances.items()})
         self.inputs = _Slots({name: i.component.inputs for name, i in self.instances.items()})
         self.outputs = _Slots({name: i.component.outputs for name, i in self.instances.items()})
@@ -115,18 +116,16 @@ class System:
             )
         return Connection(out, into)
 
-    def _check_single_driver(self) -> None:
-        drivers: dict[Port, Connection] = {}
+    def _find_drivers(self) -> dict[Port, Port]:
+        drivers: dict[Port, Port] = {}
         for connection in self.connections:
-            first = drivers.setdefault(connection.target, connection)
-            if first is not connection:
-                raise ModelError(
-                    f"{connection.target} has two sources, {first.source} and {connection.source}: keep one"
-                )
-            if connection.target.variable in self.instances[connection.target.instance].inputs:
-                raise ModelError(
-                    f"{connection.target} has a constant value and the source {connection.source}: keep one"
-                )
+            source, target = connection.source, connection.target
+            if target in drivers:
+                raise ModelError(f"{target} has two sources, {drivers[target]} and {source}: keep one")
+            if target.variable in self.instances[target.instance].inputs:
+                raise ModelError(f"{target} has a constant value and the source {source}: keep one")
+            drivers[target] = source
+        return drivers
 
     def _check_values(self) -> None:
         faults: list[str] = []

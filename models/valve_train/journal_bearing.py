@@ -29,7 +29,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Vector, layouts
+from ..core.quantities import Condition, Vector, layouts
 from ..core.requirements import require
 
 # The film is no thinner than this part of the clearance, below any roughness. Over its square, 1e-15 is the
@@ -40,6 +40,7 @@ ROUGHEST = 0.1
 # Of the mean planes of rough surfaces that are pressed together, over the roughness: no load reaches it.
 OVERLAP = 10.0
 SHORT, FINITE, GROOVED = 0.0, 1.0, 2.0
+IF_GROOVED = Condition(("film_model",), ("grooved",))
 # The search for the squeeze does not resolve narrower grooves. Pads are longer than a right angle.
 NARROWEST_GROOVE, WIDEST_GROOVE = math.radians(1.0), 0.5 * math.pi
 # Least L/D with grooves: narrower, the ends of the pads need closer steps.
@@ -64,10 +65,16 @@ class PlainBearingParameters:
         choices=("short", "finite", "grooved"),
     )
     groove_angle: float = kinds.ANGLE(
-        "from x to the middle of a groove; the other one is opposite", plausible=plausible.TURN
+        "from x to the middle of a groove; the other one is opposite",
+        plausible=plausible.TURN,
+        only=IF_GROOVED,
     )
     groove_width: float = kinds.ANGLE(
-        "width of each groove", math.radians(20.0), positive=True, plausible=plausible.GROOVE
+        "width of each groove",
+        math.radians(20.0),
+        positive=True,
+        plausible=plausible.GROOVE,
+        only=IF_GROOVED,
     )
     roughness: float = kinds.PLACE(
         "composite rms roughness", 0.4e-6, nominal=1e-7, positive=True, display_unit="um"

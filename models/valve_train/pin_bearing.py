@@ -23,7 +23,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Vector, layouts
+from ..core.quantities import Condition, Vector, layouts
 from ..core.requirements import require
 from ..plausible import TURN
 from . import journal_bearing as journal
@@ -44,7 +44,9 @@ class Parameters(PlainBearingParameters):
     )
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
-    face_radius: float = kinds.DIAMETER("outer radius R_F of the end faces", 7e-3)
+    face_radius: float = kinds.DIAMETER(
+        "outer radius R_F of the end faces", 7e-3, only=Condition(("face_gap",))
+    )
     face_gap: float = kinds.PLACE(
         "gap h_F at each end face; 0: no faces", nominal=1e-4, minimum=0.0, display_unit="mm"
     )

@@ -13,7 +13,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Vector, layouts
+from ..core.quantities import Condition, Vector, layouts
 from ..core.requirements import require
 from .cams.choice import choose_profile
 from .cams.lift import Lift
@@ -27,7 +27,6 @@ from .followers.overlap import (
     CamInputs,
     CamOutputs,
     Centre,
-    FollowerRadius,
     Overlap,
     Phase,
     find_overlap,
@@ -36,19 +35,23 @@ from .followers.overlap import (
 )
 
 FLAT, ROLLER, PAD = 0.0, 1.0, 2.0
+IF_ROUND = Condition(("follower",), ("roller", "pad"))
 
 
 @dataclass
 class FollowerParameters:
     phase: Phase = 0.0
     follower: float = kinds.NUMBER("surface on the cam", FLAT, choices=("flat", "roller", "pad"))
-    follower_radius: FollowerRadius = 10e-3
-    offset: float = kinds.OFFSET("offset of the path of roller or pad from the cam's axis, along axis_x")
+    follower_radius: float = kinds.ARC("radius of roller or pad", 10e-3, only=IF_ROUND)
+    offset: float = kinds.OFFSET(
+        "offset of the path of roller or pad from the cam's axis, along axis_x", only=IF_ROUND
+    )
     tilt: float = kinds.ANGLE(
         "tilt of a flat face: of its normal from the path towards axis_x",
         nominal=0.1,
         minimum=-1.0,
         maximum=1.0,
+        only=Condition(("follower",), ("flat",)),
     )
     mass: float = kinds.PART_MASS("mass of the follower", 0.1, nominal=0.1, positive=True)
     guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0)

@@ -47,7 +47,7 @@ def _is_gas_force(system: System, line: Connection) -> bool:
     gas, valve = (system.instances[end.instance] for end in (line.source, line.target))
     if not gas.component.has_role(roles.CylinderGas) or "lash" not in valve.component.parameters:
         return False
-    turned = any(other.target == Port(line.source.instance, "crank_angle") for other in system.connections)
+    turned = Port(line.source.instance, "crank_angle") in system.drivers
     four_stroke = "cycle_turns" not in gas.component.parameters or parameter_of(gas, "cycle_turns") == 2.0
     return turned and four_stroke and line.target.variable == "gas_force"
 
@@ -55,8 +55,7 @@ def _is_gas_force(system: System, line: Connection) -> bool:
 def _judge(train: Train, gas: str, valve: str, outputs: Vector) -> Iterator[str]:
     system = train.system
     of_gas = system.instances[gas]
-    (crank,) = (line.source for line in system.connections if line.target == Port(gas, "crank_angle"))
-    angle = outputs[:, system.outputs.index(crank)]
+    angle = outputs[:, system.outputs.index(system.drivers[Port(gas, "crank_angle")])]
     lift = outputs[:, system.outputs.index(Port(train.cam, "cam_lift"))]
     pressure = outputs[:, system.outputs.index(Port(gas, "gas_pressure"))]
     lifted = lift > max(train.lash, LIFTED * float(np.max(lift)))

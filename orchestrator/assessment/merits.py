@@ -72,12 +72,11 @@ def list_merits(system: System, contacts: ContactSummaries, read: Read) -> list[
 
 def read_motion(system: System, read: Read) -> Motion:
     """The recorded rows; an input has what drives it, or the value that the scenario gives it."""
-    sources = {connection.target: connection.source for connection in system.connections}
     times = read("time")
 
     def column(name: str) -> Vector:
         instance, _, variable = name.partition(".")
-        port = sources.get(Port(instance, variable), Port(instance, variable))
+        port = system.drivers.get(Port(instance, variable), Port(instance, variable))
         part = system.instances[port.instance]
         if port.variable in part.component.outputs.names:
             return read(str(port))

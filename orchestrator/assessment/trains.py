@@ -190,7 +190,8 @@ def find_degrees(angle: Angle, times: float | Sequence[float], column: Callable[
     from the last of a run that broke off after it."""
     turned, rows = np.degrees(angle.factor * column(angle.source)), column("time")
     past = np.maximum(0.0, np.asarray(times) - rows[-1])
-    speed = (turned[-1] - turned[-2]) / (rows[-1] - rows[-2]) if past.any() and rows.size > 1 else 0.0
+    k = int(np.searchsorted(rows, rows[-1])) - 1  # the last row before that time, which may come twice
+    speed = (turned[-1] - turned[k]) / (rows[-1] - rows[k]) if past.any() and k >= 0 else 0.0
     return np.asarray((np.interp(times, rows, turned) + speed * past) % 360.0)
 
 

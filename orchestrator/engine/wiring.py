@@ -116,10 +116,9 @@ def _followed_degrees(
 
 def _find_feedthrough(system: System, sources: Sequence[Port]) -> Any:
     """Whether each source depends directly on an input that another participant drives."""
-    driven = {connection.target for connection in system.connections}
 
     def depends(port: Port) -> bool:
         inputs = system.instances[port.instance].component.feedthrough.get(port.variable, ())
-        return any(Port(port.instance, name) in driven for name in inputs)
+        return any(Port(port.instance, name) in system.drivers for name in inputs)
 
     return np.array([depends(port) for port in sources], dtype=np.bool_)

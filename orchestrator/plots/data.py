@@ -88,7 +88,7 @@ class FigureData:
             reference=reference,
             quantities=quantities,
             steps=steps,
-            drivers={str(c.target): str(c.source) for c in system.connections},
+            drivers={str(target): str(source) for target, source in system.drivers.items()},
             parameters=dict(zip(system.parameters.names, system.p.tolist(), strict=True)),
             system=system,
             energy_time=energy_time,

@@ -14,6 +14,7 @@ from markupsafe import Markup
 from ..errors import MistakeError, another
 from ..scenario import Scenario, ScenarioError
 from ..scenario.files import load
+from ..scenario.values import WARNING
 from ..store import atomic_write
 from ..store.output_folder import REPORT, SCENARIO, STORE, SUMMARY
 from ..store.records import Records, open_records
@@ -100,7 +101,7 @@ def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dic
         "summary": summary,
         "name": attributes.get("scenario", ""),
         "title": attributes.get("title") or attributes.get("scenario", ""),
-        "kind": "bad" if summary["exit_status"] != 0 else "good" if errors else "",
+        "kind": _choose_kind(summary),
         "verdict": _describe_verdict(records, summary),
         "version": summary.get("version", ""),
         "versions": attributes.get("versions", ""),
@@ -112,6 +113,14 @@ def _tell_run(folder: Path, records: Records, summary: Mapping[str, Any]) -> dic
         "fmus": summary.get("fmus", {}),
         "toml": str(attributes.get("scenario_toml", "")),
     }
+
+
+def _choose_kind(summary: Mapping[str, Any]) -> str:
+    """The colour of the verdict: amber where its scenario is doubted, none where nothing is compared."""
+    if summary["exit_status"] != 0:
+        return "bad"
+    doubted = any(note.startswith(WARNING) for note in summary.get("notices", []))
+    return "unsteady" if doubted else "good" if summary.get("errors") else ""
 
 
 def _find_unit(records: Records, name: str) -> dict[str, Any]:

@@ -3,16 +3,14 @@
 import json
 import math
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
 
-from models.core.quantities import Vector
-
-from ..assessment.lost_contact import bound_speeds, find_lost
+from ..assessment.lost_contact import bound_speeds, find_lost, list_shares
 from ..assessment.trains import find_lost_rows
 from ..errors import Option
 from ..scenario import Scenario, ScenarioError, build_scenario
@@ -43,7 +41,7 @@ def collect_sweep(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     with xarray.open_zarr(folder / STORE) as stored:
         numbers = stored.load().sel(speed=cycles["speed"].values)
     toml = str(summary.get("scenario_toml", ""))
-    told = _tell(summary, toml, cycles["speed"].values, folder)
+    told = _tell(summary, toml, numbers, folder)
     return told, _collect(
         cycles, numbers, _read_scenario(toml), (summary.get("separation") or {}).get("speed")
     )
@@ -57,8 +55,26 @@ def _read_scenario(toml: str) -> Scenario | None:
         return None
 
 
-def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -> dict[str, Any]:
-    separation = summary.get("separation")
+def _judge(
+    separation: Mapping[str, Any] | None,
+    second: Mapping[str, Any],
+    notices: Sequence[str],
+    numbers: xarray.Dataset,
+) -> dict[str, str]:
+    """The verdict and its colour: amber where it, or a notice but that of a second film, names a doubt."""
+    if separation is None and list_shares(numbers):
+        lost = bool(find_lost(numbers).any())
+        return {"verdict": "the speed of separation was not looked for", "kind": "bad" if lost else ""}
+    text = separation["text"] if separation else "no contact can be lost"
+    if separation and not text.startswith("contact is kept"):
+        return {"verdict": text, "kind": "bad"}
+    doubts = [one for one in notices if one != second.get("text")]
+    return {"verdict": "; ".join([text, *doubts[:1]]), "kind": "unsteady" if doubts else "good"}
+
+
+def _tell(summary: Mapping[str, Any], toml: str, numbers: xarray.Dataset, folder: Path) -> dict[str, Any]:
+    separation, notices = summary.get("separation"), summary.get("notices", [])
+    speeds = numbers["speed"].values
     name = str(summary["scenario"])
     ends = [
         Option(end, f"{speed * RPM:.6g} rpm")
@@ -67,9 +83,8 @@ def _tell(summary: Mapping[str, Any], toml: str, speeds: Vector, folder: Path) -
     return {
         "name": name,
         "title": f"{name} over speed",
-        "kind": "bad" if separation and not separation["text"].startswith("contact is kept") else "good",
-        "verdict": separation["text"] if separation else "no contact can be lost",
-        "notices": summary.get("notices", []),
+        **_judge(separation, summary.get("second_separation") or {}, notices, numbers),
+        "notices": notices,
         "version": summary.get("version", ""),
         "command": repeat("speeds", folder / SWEPT, folder, *ends, Option("count", speeds.size)),
         "toml": toml,

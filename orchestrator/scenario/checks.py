@@ -53,17 +53,17 @@ def check_units(scenario: Scenario) -> None:
 
 
 def list_doubtful(scenario: Scenario) -> list[str]:
-    """Warn of numbers without a unit that are not plausible."""
+    """Warn of numbers that are not plausible."""
     return [in_command_line(doubt.words) for doubt in _find_doubts(scenario)]
 
 
 def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
-    """Each has a remedy where another unit makes the number plausible."""
+    """Each has a remedy where it is stated without a unit and another unit makes the number plausible."""
     for name, table in scenario.components.items():
         for key, layout in list_layouts(table.resolve()).items():
             values = table.values[key]
             for variable, value in values.items():
-                if isinstance(value, str | WithUnit) or variable not in layout:
+                if isinstance(value, str) or variable not in layout:
                     continue
                 quantity = layout.field(variable).quantity
                 if values.get(quantity.same_as) == value:
@@ -71,7 +71,8 @@ def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
                 if doubt := quantity.doubt(float(value)):
                     written = f"{value:g} {quantity.unit}"
                     said, _, meant = doubt.partition("; ")
-                    remedy = meant and f"{meant} Write the unit, even if {written} is meant"
+                    bare = meant and not isinstance(value, WithUnit)
+                    remedy = f"{meant} Write the unit, even if {written} is meant" if bare else ""
                     place = f"components.{name}.{key}.{variable}"
                     yield Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
 

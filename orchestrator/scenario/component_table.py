@@ -292,8 +292,8 @@ class ComponentTable(Table):
 def _refuse_idle(name: str, rule: Condition) -> Fault:
     return Fault(
         f"start.{name}",
-        f": has no effect, as {rule.parameter} is not {rule.choice!r}",
-        f"set parameters.{rule.instead}, or parameters.{rule.parameter} = {rule.choice!r}",
+        f": has no effect, as {rule.parameters[0]} is not {rule.choices[0]!r}",
+        f"set {rule.instead}, or parameters.{rule.parameters[0]} = {rule.choices[0]!r}",
     )
 
 

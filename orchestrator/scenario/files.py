@@ -254,7 +254,7 @@ def find_paths(content: Mapping[str, Any], keys: Sequence[str]) -> list[str]:
         if isinstance(table, dict) and names <= {name} and table.get("component") in CATALOGUE:
             made = build_component(table["component"])
             for state, rule in find_idle(made, table.get("parameters", {})).items():
-                instead[f"components.{name}.start.{state}"] = f"components.{name}.parameters.{rule.instead}"
+                instead[f"components.{name}.start.{state}"] = f"components.{name}.{rule.instead}"
             for section, layout in list_layouts(made).items():
                 if section in (sections or SECTIONS):
                     known |= {f"components.{name}.{section}.{one}": one for one in layout.variables}

@@ -41,14 +41,17 @@ def list_layouts(component: Component) -> dict[str, Layout]:
     return dict(zip(SECTIONS, layouts, strict=True))
 
 
-def find_idle(component: Component, parameters: Any) -> dict[str, Condition]:
-    """The states whose start values have no effect with these parameters, and the condition that fails."""
+def find_idle(component: Component, parameters: Any, section: str = "start") -> dict[str, Condition]:
+    """The states, or parameters, whose values have no effect with these parameters, and the condition that
+    fails."""
     found, given = {}, parameters if isinstance(parameters, Mapping) else {}
-    for field_ in component.state.fields:
-        if rule := field_.quantity.only:
-            default = component.parameters.field(rule.parameter)
-            if given.get(rule.parameter, to_value(default.quantity, default.start)) != rule.choice:
-                found[field_.name] = rule
+    for field_ in list_layouts(component)[section].fields:
+        rule = field_.quantity.only
+        deciding = [name for name in rule.parameters if name in component.parameters] if rule else []
+        fields = map(component.parameters.field, deciding)
+        defaults = {one.name: to_value(one.quantity, one.start) for one in fields}
+        if rule and deciding and not any(map(rule.admits, ({**defaults, **given}[n] for n in deciding))):
+            found[field_.name] = rule
     return found
 
 
@@ -60,7 +63,10 @@ def list_names(component: Component, parameters: Any, table: str = "{}") -> dict
         table.format(section): [name for name in layout.variables if section != "start" or name not in idle]
         for section, layout in list_layouts(component).items()
     }
-    return found | {f"{table.format('parameters')}, as {rule.instead}": [name] for name, rule in idle.items()}
+    for name, rule in idle.items():
+        section, _, other = rule.instead.partition(".")
+        found[f"{table.format(section)}, as {other}"] = [name]
+    return found
 
 
 # Begins a note that says what may be wrong with the input; a run repeats it beside its verdict.

@@ -12,9 +12,9 @@ from . import ComponentTable, Scenario
 from .capabilities import WHOLE_STEPS, list_file_warnings
 from .checks import list_doubtful
 from .fmu_limits import list_limit_warnings
-from .oil import OILED, OilSheet, evaluate, in_celsius, read_oil
+from .oil import OILED, OilSheet, evaluate, in_celsius, name_oil, read_oil
 from .units import to_base_units
-from .values import WARNING, WithUnit
+from .values import WARNING, WithUnit, find_idle, to_value
 
 # A stop time (s) as long as this, in so many macro steps, is doubted.
 LONG, MANY_STEPS = 10.0, 1_000_000
@@ -47,6 +47,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *_doubt_times(scenario),
         *list_doubtful(scenario),
         *_list_still(scenario),
+        *_list_idle(scenario),
         *_list_notes(scenario),
         *doubt_oils(scenario),
         *_list_unloaded(scenario),
@@ -84,6 +85,26 @@ def _list_still(scenario: Scenario) -> list[str]:
         and table.parameters.get("motion", "prescribed") == "prescribed"
         and table.parameters.get("initial_speed") == table.parameters.get("final_speed") == 0.0
     ]
+
+
+def _list_idle(scenario: Scenario) -> Iterator[str]:
+    """Warn of parameters that differ from their defaults and have no effect beside the others."""
+    for name, table in scenario.components.items():
+        component, given = table.resolve(), table.parameters
+        stated = [evaluate(name_oil(one.oil, one.temperature))[1] for one in (scenario, table) if one.oil]
+        for parameter, rule in find_idle(component, given, "parameters").items():
+            field, value = component.parameters.field(parameter), given.get(parameter)
+            default = to_value(field.quantity, field.start)
+            known = [default, given.get(field.quantity.same_as), *(oil.get(parameter) for oil in stated)]
+            if value is None or value in known:
+                continue
+            kinds = [component.parameters.field(one).quantity.boolean for one in rule.parameters]
+            wanted = " or ".join(map(str, rule.choices)).lower() or ("true" if all(kinds) else "not zero")
+            yield (
+                f"components.{name}.parameters.{parameter}: has an effect only where "
+                f"{' or '.join(rule.parameters)} is {wanted}; "
+                + (f"give components.{name}.{rule.instead}" if rule.instead else "leave it out")
+            )
 
 
 def _list_notes(scenario: Scenario) -> list[str]:

@@ -121,9 +121,12 @@ def test_what_is_wrong_with_a_train_is_named(changed, said):
 
 
 def test_what_came_after_the_last_row_of_a_run_that_broke_off_has_its_own_angle():
-    rows = {"time": np.arange(3.0), "cam.angle": np.array([0.0, 1.0, 3.0])}
-    found = find_degrees(Angle("cam_angle", "cam.angle"), [0.5, 2.0, 2.5], rows.__getitem__)
-    np.testing.assert_allclose(np.radians(found), [0.5, 3.0, 4.0])
+    """Also where an event left two rows at the last time."""
+    for more in (0, 1):
+        rows = {"time": np.array([0.0, 1.0, 2.0, 2.0]), "cam.angle": np.array([0.0, 1.0, 3.0, 3.0])}
+        read = {name: row[: 3 + more] for name, row in rows.items()}.__getitem__
+        found = find_degrees(Angle("cam_angle", "cam.angle"), [0.5, 2.0, 2.5], read)
+        np.testing.assert_allclose(np.radians(found), [0.5, 3.0, 4.0])
 
 
 def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_path):

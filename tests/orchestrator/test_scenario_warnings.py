@@ -1,16 +1,37 @@
 """What is doubted before a run: values, records, the phase at which a valve opens against its gas."""
 
+import tomllib
+
 import pytest
 
 from models.core.remedies import in_python
 from orchestrator.assessment.gas_phase import list_doubtful_gas
-from orchestrator.scenario import ScenarioError
+from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.checks import check_units
 from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 
 from .commands import called
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        (["motion=free", "initial_speed=3000 rpm"], ["initial_speed", "motion is prescribed; give"]),
+        (["motion=free", "ramp_start=1 ms"], ["ramp_start", "motion is prescribed; leave it out"]),
+        (["final_speed=3000 rpm"], []),
+        (["motion=free"], []),
+    ],
+)
+def test_a_parameter_without_an_effect_is_said_with_its_remedy(settings, said):
+    """That a run's own file of all values is silent is of its defaults. The final speed follows the other."""
+    path = "components.flywheel.parameters."
+    scenario = load("valve-train", [path + one for one in settings])
+    found = [one for one in list_warnings(scenario) if "has an effect only where" in one]
+    assert len(found) == bool(said)
+    assert all(word in one for one in found for word in said)
+    assert list_warnings(build_scenario(tomllib.loads(to_full_toml(scenario)))) == list_warnings(scenario)
 
 
 def test_what_has_no_effect_is_noticed():
@@ -85,6 +106,9 @@ def test_a_run_refuses_a_slip_of_the_unit_and_takes_the_number_with_its_unit(set
     written = in_python(fault.remedy).partition("even if ")[2].partition(" is meant")[0]
     meant = load("valve-train", [f"components.{path}={written}"])
     check_units(meant)
+    (doubt,) = list_warnings(meant)  # it is said, and believed
+    assert doubt.startswith(f"components.{path} = {number} ")
+    assert "did you mean" not in doubt
     (kept := tmp_path / "kept.toml").write_text(to_full_toml(meant))
     check_units(load(kept))
     assert to_full_toml(load(kept)) == to_full_toml(meant)

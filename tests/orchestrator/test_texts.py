@@ -1,9 +1,12 @@
 """A text of any shape is read or refused with a sentence; none hangs."""
 
+import math
 import os
 import time
 from collections.abc import Callable
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from orchestrator.analyses import load as load_analysis
@@ -12,7 +15,7 @@ from orchestrator.scenario import units
 from orchestrator.scenario.files import load
 from orchestrator.scenario.units import UnitError, to_unit
 from orchestrator.study.files import load as load_study
-from orchestrator.texts import DEEPEST, parse_json, parse_toml, parse_value
+from orchestrator.texts import DEEPEST, parse_json, parse_toml, parse_value, to_plain
 
 # s of processor time. The slowest takes 0.4 s alone; squares and powers of these lengths take minutes.
 LIMIT = 60.0
@@ -186,3 +189,10 @@ def test_a_byte_order_mark_says_nothing(tmp_path):
     (tmp_path / "marked.toml").write_text(VALVE_TRAIN, "utf-8-sig")
     plain, marked = (load(tmp_path / f"{name}.toml") for name in ("plain", "marked"))
     assert marked.model_copy(update={"name": plain.name}) == plain
+
+
+def test_what_json_cannot_have_is_refused_by_name():
+    """Its repr would pass for an answer."""
+    assert to_plain({"a": (1, math.nan, np.float64(2.0), Path("b"))}) == {"a": [1, None, 2.0, "b"]}
+    with pytest.raises(TypeError, match="has no JSON"):
+        to_plain([object()])

@@ -1,16 +1,19 @@
-"""The page of a study's answer."""
+"""The page of a study's answer, and the bars of others."""
 
 import html
 import re
 from pathlib import Path
 
 import pytest
+import xarray
 from rich.console import Console
 from rich.table import Table
 
 from orchestrator.errors import MistakeError
 from orchestrator.plots.style import create_subplots, save_figure
 from orchestrator.report.answer import Answer
+from orchestrator.report.page import _choose_kind
+from orchestrator.report.sweep import _judge
 from orchestrator.reporter import Reporter
 
 
@@ -40,3 +43,39 @@ def test_a_page_that_cannot_be_written_is_named(tmp_path):
     (tmp_path / "answer.html").mkdir()
     with pytest.raises(MistakeError, match=r"answer\.html: cannot be written"):
         answer.write(tmp_path, "answer.html", ())
+
+
+@pytest.mark.parametrize(
+    ("separation", "notices", "lost", "kind", "said"),
+    [
+        ("contact is kept up to 3000 r/min", ["with films"], 0.0, "good", "contact is kept up to 3000 r/min"),
+        (
+            "contact is kept up to 3000 r/min",
+            ["with films", "no steady cycle"],
+            0.0,
+            "unsteady",
+            "; no steady",
+        ),
+        ("contact is lost from 2000.0 r/min", [], 0.1, "bad", "contact is lost"),
+        (None, [], 0.0, "", "was not looked for"),
+        (None, [], 0.1, "bad", "was not looked for"),
+    ],
+)
+def test_the_bar_of_a_sweep_is_green_where_nothing_is_doubted(separation, notices, lost, kind, said):
+    """What a second film formula gives is no doubt."""
+    numbers = xarray.Dataset({"contact.lost": ("speed", [0.0, lost])}, {"speed": [100.0, 200.0]})
+    found = _judge(separation and {"text": separation}, {"text": "with films"}, notices, numbers)
+    assert (found["kind"], said in found["verdict"]) == (kind, True)
+
+
+@pytest.mark.parametrize(
+    ("status", "errors", "notice", "kind"),
+    [
+        (0, {"x": 1}, "SAE 30", "good"),
+        (0, {"x": 1}, "warning: a row", "unsteady"),
+        (0, {}, "", ""),
+        (1, {}, "", "bad"),
+    ],
+)
+def test_the_bar_of_a_run_is_green_where_it_is_compared_and_nothing_is_doubted(status, errors, notice, kind):
+    assert _choose_kind({"exit_status": status, "errors": errors, "notices": [notice]}) == kind

@@ -6,12 +6,14 @@ from typing import Any
 
 from ... import kinds
 from ...compile.kernel import kernel
-from ...core.quantities import Quantity, Vector
+from ...core.quantities import Condition, Quantity, Vector
 from ...core.requirements import require
 from .lift import Lift
 from .profile import Breaks, CamProfile, turn_to_break
 from .ramps import RampParameters, add_ramp, add_ramp_breaks, angle_below_pi, ramp_turn
 from .rises import RISES, rise_by_number
+
+IF_POWERS, IF_TRAPEZOID = (Condition(("law",), (law,)) for law in ("high_powers", "modified_trapezoid"))
 
 
 def _share(description: str, **limits: Any) -> Quantity:
@@ -32,17 +34,21 @@ class RiseParameters:
     dwell_half_width: float = angle_below_pi("half width d of the dwell at the nose", minimum=0.0).default(
         math.radians(1.333918968849847)
     )
-    power_p: float = kinds.NUMBER("power p of the law high_powers", 8.0, minimum=4.0)
-    power_q: float = kinds.NUMBER("power q of the law high_powers", 14.0, minimum=4.0)
-    power_r: float = kinds.NUMBER("power r of the law high_powers", 20.0, minimum=4.0)
-    power_t: float = kinds.NUMBER("power t of the law high_powers", 26.0, minimum=4.0)
+    power_p: float = kinds.NUMBER("power p of the law high_powers", 8.0, minimum=4.0, only=IF_POWERS)
+    power_q: float = kinds.NUMBER("power q of the law high_powers", 14.0, minimum=4.0, only=IF_POWERS)
+    power_r: float = kinds.NUMBER("power r of the law high_powers", 20.0, minimum=4.0, only=IF_POWERS)
+    power_t: float = kinds.NUMBER("power t of the law high_powers", 26.0, minimum=4.0, only=IF_POWERS)
     onset_share: float = _share(
-        "in which the acceleration of the law modified_trapezoid grows", positive=True
+        "in which the acceleration of the law modified_trapezoid grows", positive=True, only=IF_TRAPEZOID
     ).default(0.125)
-    flank_share: float = _share("in which this acceleration stays", minimum=0.0).default(0.25)
-    reversal_share: float = _share("in which it turns into the deceleration", positive=True).default(0.25)
+    flank_share: float = _share("in which this acceleration stays", minimum=0.0, only=IF_TRAPEZOID).default(
+        0.25
+    )
+    reversal_share: float = _share(
+        "in which it turns into the deceleration", positive=True, only=IF_TRAPEZOID
+    ).default(0.25)
     nose_share: float = _share(
-        "in which the deceleration stays; in what is left it fades", minimum=0.0
+        "in which the deceleration stays; in what is left it fades", minimum=0.0, only=IF_TRAPEZOID
     ).default(0.25)
 
 

@@ -10,9 +10,11 @@ from typing import Any
 
 from ... import kinds
 from ...compile.kernel import kernel
-from ...core.quantities import Quantity
+from ...core.quantities import Condition, Quantity
 from .lift import Lift
 from .profile import Breaks, turn_to_break
+
+IF_RAMPS = Condition(("ramp_height",))
 
 
 def angle_below_pi(description: str, **limits: Any) -> Quantity:
@@ -26,13 +28,13 @@ class RampParameters:
 
     ramp_height: float = kinds.LASH("lift of the ramps; 0: none", minimum=0.0)
     opening_ramp_angle: float = angle_below_pi(
-        "cam angle of constant velocity before the rise", minimum=0.0
+        "cam angle of constant velocity before the rise", minimum=0.0, only=IF_RAMPS
     ).default(math.radians(20.0))
     closing_ramp_angle: float = angle_below_pi(
-        "cam angle of constant velocity after the fall", minimum=0.0
+        "cam angle of constant velocity after the fall", minimum=0.0, only=IF_RAMPS
     ).default(math.radians(20.0))
     ramp_blend_angle: float = angle_below_pi(
-        "cam angle in which a ramp's velocity blends", positive=True
+        "cam angle in which a ramp's velocity blends", positive=True, only=IF_RAMPS
     ).default(math.radians(5.0))
 
 

@@ -265,7 +265,7 @@ def _course(record: Any, ranges: Vector, parameters: Mapping[str, float]) -> Con
 def summarise_rows(system: System, column: Callable[[str], Vector]) -> ContactSummaries:
     """The summaries as recorded rows have them, by "instance.variable" and "time", where nothing else is left
     of a run."""
-    drivers = {str(c.target): str(c.source) for c in system.connections if c.target.variable in INPUTS}
+    drivers = {str(t): str(source) for t, source in system.drivers.items() if t.variable in INPUTS}
     trains = {name: find_train(system, name) for name in contacts(system)}
     drivers |= {f"{name}.{LIFT}": f"{train.cam}.{LIFT}" for name, train in trains.items() if train}
     found: ContactSummaries = {}

@@ -35,9 +35,9 @@ class ContactObserver(Observer):
     def watch(self, coupling: Coupling) -> None:
         """Before `begin`: the coupling that the run goes through."""
         origins = {
-            str(c.target): coupling.wiring.number[c.source]
-            for c in self._system.connections
-            if c.target.variable in INPUTS
+            str(target): coupling.wiring.number[source]
+            for target, source in self._system.drivers.items()
+            if target.variable in INPUTS
         }
         self._accumulator = Accumulator(self._system, self._names, coupling.state.values, origins)
         units = dict(zip(coupling.wiring.names, coupling.participants, strict=True))

@@ -100,8 +100,7 @@ def list_columns(system: System, contact: str, cam: str) -> dict[str, str]:
     }
     found = {name: f"{contact}.{name}" for name in OF_CONTACT}
     found |= {name: f"{cam}.{called.get(name, name)}" for name in OF_CAM}
-    target = Port(contact, "sliding_velocity")
-    return found | {"sliding_velocity": str(next(c.source for c in system.connections if c.target == target))}
+    return found | {"sliding_velocity": str(system.drivers[Port(contact, "sliding_velocity")])}
 
 
 def _read(folder: Path, wanted: dict[str, str]) -> tuple[Vector, dict[str, Vector], dict[str, str]]:

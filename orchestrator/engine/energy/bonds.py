@@ -25,12 +25,11 @@ class Bond:
 
 def find_bonds(system: System) -> list[Bond]:
     """The bonds between two instances, each once: both may declare it, or one of them."""
-    driver = {connection.target: connection.source for connection in system.connections}
     found: dict[tuple[Port, Port], Bond] = {}
     for name, instance in system.instances.items():
         for own in instance.component.bonds:
             effort, flow = (
-                Port(name, v) if v in instance.component.outputs else driver.get(Port(name, v))
+                Port(name, v) if v in instance.component.outputs else system.drivers.get(Port(name, v))
                 for v in (own.effort, own.flow)
             )
             if effort is None or flow is None or effort.instance == flow.instance:
