@@ -262,6 +262,10 @@ def test_mistakes_in_a_brief_are_named(tmp_path: Path, text: str, words: str) ->
     assert not (tmp_path / "out").exists()
 
 
+def test_a_limit_without_unit_may_be_written_as_the_message_has_it() -> None:
+    assert Limits.model_validate({"least_film_ratio": "0.8"}).least_film_ratio == 0.8
+
+
 def test_a_cam_that_has_lost_contact_at_its_own_speed_gives_no_limit() -> None:
     class Lost:
         def is_lost(self, speed: float) -> bool:

@@ -32,7 +32,7 @@ def _read(value: Any, unit: str, example: str) -> float:
     """A number with its unit: those of a speed or an angle would pass unseen in another one."""
     if unit == "1" and type(value) in (int, float):
         return float(value)
-    if not isinstance(value, str) or is_bare(value):
+    if not isinstance(value, str) or (unit != "1" and is_bare(value)):
         raise ValueError(f'{value}: write the number with its unit, such as "{example}"')
     return to_unit(value, unit)
 
