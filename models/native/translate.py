@@ -6,6 +6,7 @@ are refused by name.
 """
 
 import hashlib
+import math
 import os
 import re
 import subprocess
@@ -49,7 +50,7 @@ def translate(name: str, structure: Mapping[str, int], wanted: Sequence[str] = (
     beside = str(Path(file).parent) if file.endswith(".py") else ""
     path = os.pathsep.join(filter(None, (str(root), beside, os.environ.get("PYTHONPATH"))))
     # Kernels that were compiled otherwise, for this process, are not taken from the cache.
-    options = hashlib.sha256(repr((_PLAIN_PROCESSOR, _SMALL)).encode()).hexdigest()
+    options = hashlib.sha256(repr((_PLAIN_PROCESSOR, _SMALL, "linked")).encode()).hexdigest()
     try:
         kept = private_folder(f"translated-{options[:16]}")
     except OSError:
@@ -84,8 +85,10 @@ def _translate(name: str, structure: Mapping[str, int], wanted: Sequence[str]) -
         llvm.set_option("", option)
 
     from ..catalogue import find_factory
+    from ..compile import kernel_cache
     from .entries import entries
 
+    kernel_cache.LARGE = math.inf  # all that is called is linked
     whole = llvm.parse_assembly("")
     symbols = {}
     for entry in entries(find_factory(name)(**structure)):
