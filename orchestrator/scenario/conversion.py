@@ -72,6 +72,8 @@ def _find_linear(
         )
     if linear is not None and linear.offset and given.relative != wanted.relative:
         raise ScenarioError(f"{line}: {explain_differences(line.source, line.target, given.relative)}")
+    if given.unit == wanted.unit and linear == Linear():
+        return linear  # the common definitions take long to read
     usual = convert_units(given.unit, {}, wanted.unit, {}, given.relative and wanted.relative)
     if linear and usual and abs(usual.offset - linear.offset) > OFFSETS_AGREE * _find_size(given, wanted):
         meant, defined = (replace(line, factor=way.factor, offset=way.offset) for way in (usual, linear))
