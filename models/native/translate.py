@@ -6,7 +6,6 @@ are refused by name.
 """
 
 import hashlib
-import math
 import os
 import re
 import subprocess
@@ -88,7 +87,7 @@ def _translate(name: str, structure: Mapping[str, int], wanted: Sequence[str]) -
     from ..compile import kernel_cache
     from .entries import entries
 
-    kernel_cache.LARGE = math.inf  # all that is called is linked
+    kernel_cache.LARGE = sys.maxsize  # all that is called is linked
     whole = llvm.parse_assembly("")
     symbols = {}
     for entry in entries(find_factory(name)(**structure)):
