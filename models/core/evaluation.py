@@ -251,6 +251,6 @@ def check_start(system: System, t: float, x: Vector) -> None:
     for name, component in judging.items():
         parts = system.p[system.parameters.of(name)], x[system.state.of(name)]
         found = component.start_faults(*parts, evaluation.u[system.inputs.of(name)])
-        faults += [f"{name}.{fault}" for fault in found]
+        faults += [f"components.{name}.start.{fault}" for fault in found]
     if faults:
         raise ModelError("; ".join(faults))

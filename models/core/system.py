@@ -131,10 +131,12 @@ class System:
         faults: list[str] = []
         for name, instance in self.instances.items():
             component = instance.component
-            found = component.parameter_faults(self.p[self.parameters.of(name)])
-            found += component.state.faults(self.x0[self.state.of(name)])
-            found += component.inputs.faults(self.u0[self.inputs.of(name)])
-            faults += [f"{name}.{fault}" for fault in found]
+            found = {
+                "parameters": component.parameter_faults(self.p[self.parameters.of(name)]),
+                "start": component.state.faults(self.x0[self.state.of(name)]),
+                "inputs": component.inputs.faults(self.u0[self.inputs.of(name)]),
+            }
+            faults += [f"components.{name}.{table}.{one}" for table, ones in found.items() for one in ones]
         if faults:
             raise ModelError("; ".join(faults))
 

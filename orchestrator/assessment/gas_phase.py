@@ -71,10 +71,10 @@ def _judge(train: Train, gas: str, valve: str, outputs: Vector) -> Iterator[str]
             yield (
                 f"components.{gas}: {text}; exhaust valves open {EXHAUST[0]:g} to {EXHAUST[1]:g} deg "
                 f"and intake valves {INTAKE[0]:g} to {INTAKE[1]:g} deg after it: check the cam's phase and "
-                f"firing_angle, e.g. '{firing:.0f} deg' for an exhaust valve"
+                f"components.{gas}.parameters.firing_angle, e.g. '{firing:.0f} deg' for an exhaust valve"
             )
         elif opens <= EXHAUST[1] and abs(opens - blowdown) > APART:
             yield (
                 f"components.{gas}: {text}, which begins to blow down {blowdown:.0f} deg after firing: "
-                f"set exhaust_opening = '{opens:.0f} deg'"
+                f"set components.{gas}.parameters.exhaust_opening = '{opens:.0f} deg'"
             )

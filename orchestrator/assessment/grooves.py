@@ -27,7 +27,7 @@ def find_load_from_groove(bearing: Part) -> Found:
     return Found(math.remainder(load - bearing.parameter("groove_angle"), math.pi), row)
 
 
-def describe_groove(bearing: Instance, away: float) -> str:
+def describe_groove(name: str, bearing: Instance, away: float) -> str:
     """What a groove does that the load is `away` from (rad), and the remedy; "" outside the load zone."""
     if abs(away) >= roles.Bearing.load_zone:
         return ""
@@ -35,5 +35,6 @@ def describe_groove(bearing: Instance, away: float) -> str:
     distance, better = (format_number(math.degrees(angle), 3) for angle in (abs(away), across))
     return (
         f"; at the least film the load points {distance} deg beside the middle of a groove, where films are "
-        f"down to a twentieth as thick: set groove_angle to '{better} deg', at a right angle to the load"
+        f"down to a twentieth as thick: set components.{name}.parameters.groove_angle = '{better} deg', at a "
+        "right angle to the load"
     )

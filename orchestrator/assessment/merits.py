@@ -154,7 +154,7 @@ def describe_bearings(system: System, merits: Sequence[Merit], read: Read) -> li
         doubt = f", above {near:g}: roughness, bending and heat change its film by more than 1 %"
         text += f"{doubt * (far.value > near)}; highest pressure {found[name, 'peak_pressure'].text}"
         if away := found.get((name, "load_from_groove")):
-            text += describe_groove(system.instances[name], away.value)
+            text += describe_groove(name, system.instances[name], away.value)
         told.append(text)
     return told
 

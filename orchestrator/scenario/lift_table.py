@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -41,6 +41,8 @@ LONGEST_EVENT = math.radians(180.0)
 RADII = 0.5
 # An acceleration that may be off by more than this part of its largest value is doubted.
 UNCERTAIN = 0.05
+# A row that is off the median of five by more than so many largest medians is wrong.
+SLIP = 2.0
 LIFT = Kind(
     "lift",
     "m",
@@ -84,17 +86,25 @@ class LiftTable:
             raise AngleTableError(str(error)) from None
         if smoothed.doubtful:
             self._check_row(*smoothed.doubtful)
+        near = np.median([np.roll(self.lift, k) for k in range(-2, 3)], axis=0)
+        off = self.lift - near
+        i = int(np.argmax(np.abs(off)))
+        if abs(off[i]) > SLIP * near.max():  # of two wrong rows each bears out the other
+            self._refuse_row(self.angle[i], off[i], near.max())
         return smoothed
 
     def _check_row(self, angle: float, deviation: float) -> None:
         """Refuse the row at this angle where it is off the others by more than they lift."""
         largest = float(self.lift[self.angle != angle].max())
         if abs(deviation) > largest:
-            value = 1e3 * self.lift[np.argmin(np.abs(self.angle - angle))]
-            raise AngleTableError(
-                f"the row at {math.degrees(angle):.5g} deg lifts by {value:.6g} mm, {1e3 * deviation:.3g} mm "
-                f"off the others, which lift by at most {1e3 * largest:.4g} mm: correct it"
-            )
+            self._refuse_row(angle, deviation, largest)
+
+    def _refuse_row(self, angle: float, deviation: float, largest: float) -> NoReturn:
+        value = 1e3 * self.lift[np.argmin(np.abs(self.angle - angle))]
+        raise AngleTableError(
+            f"the row at {math.degrees(angle):.5g} deg lifts by {value:.6g} mm, {1e3 * deviation:.3g} mm "
+            f"off the others, which lift by at most {1e3 * largest:.4g} mm: correct it"
+        )
 
     def _fill_gaps(self) -> tuple[Vector, Vector, list[str]]:
         """The samples with those of the base circle where rows are missing, and what is missing."""

@@ -58,7 +58,11 @@ def test_constant_and_source_of_one_input():
 @pytest.mark.parametrize(
     ("kind", "values", "said"),
     [
-        ("parameters", {"valve_mass": -1.0}, ("valve_spring.valve_mass = -1 kg", "must be > 0")),
+        (
+            "parameters",
+            {"valve_mass": -1.0},
+            ("components.valve_spring.parameters.valve_mass = -1", "must be > 0"),
+        ),
         ("parameters", {"spring_rate": math.nan}, ("spring_rate = nan", "must be finite and > 0")),
         ("parameters", {"valve_mas": 1.0}, ("no parameter 'valve_mas'", "did you mean valve_mass?")),
         ("start", {"positon": 1.0}, ("no state 'positon'", "did you mean position?")),
@@ -79,9 +83,9 @@ def test_all_faults_are_told_at_once():
         "b": Instance(CATALOGUE["ehl_contact"](), {"length": -1.0, "film_model": 99.0}),
     }
     message = refused([], instances)
-    assert "a.valve_mass" in message
-    assert "b.length" in message
-    assert "b.film_model" in message
+    assert "components.a.parameters.valve_mass" in message
+    assert "components.b.parameters.length" in message
+    assert "components.b.parameters.film_model" in message
     assert "kushwaha" in message
 
 

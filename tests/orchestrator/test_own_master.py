@@ -114,7 +114,7 @@ def test_what_no_master_runs_is_said_once(tmp_path, monkeypatch):
     file.write_text('extends = "two-masses"\n[components.first.parameters]\nmass = -1\n')
     done = called("masters", str(file), "--out", str(tmp_path / "out"))
     assert done.returncode == 2
-    assert said_by(done).startswith("tribocosim: mine.toml:3: first.mass = -1 kg")
+    assert said_by(done).startswith("tribocosim: mine.toml:3: components.first.parameters.mass = -1 kg")
     monkeypatch.setattr("orchestrator.study.masters.run", Mock(side_effect=RunError("first: is worn out")))
     silent = SilentReporter()
     with pytest.raises(RunError, match="no master runs two-masses; newton: first: is worn out"):

@@ -1,5 +1,8 @@
 """A mistake in a scenario is one message that names the key, the value and the remedy."""
 
+import math
+import re
+
 import pytest
 
 import tribocosim
@@ -8,6 +11,7 @@ from orchestrator.errors import Option, ParticipantError, in_command_line
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
+from orchestrator.scenario.values import list_layouts
 from tribocosim.scenario import read_tables
 
 from .coupled import run_coupled
@@ -129,7 +133,10 @@ BAD_SYSTEMS = {
     "master={name='newton', iterate=['camshaft', 'contct']}": ("master.iterate: ", "did you mean contact?"),
     "master.order=['contct']": ("master.order = contct: ", "; contct: did you mean contact?"),
     "master={name='newton', iterate=['contact', 'contact']}": ("master.iterate", "'contact' is named twice"),
-    "components.valve_spring.parameters.valve_mass=-0.2": ("valve_spring.valve_mass = -0.2 kg", "> 0"),
+    "components.valve_spring.parameters.valve_mass=-0.2": (
+        "components.valve_spring.parameters.valve_mass = -0.2 kg",
+        "> 0",
+    ),
     "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
     "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
     "tolerance.contct.load=1e-3": ("tolerance.contct.load", "no component 'contct'", "did you mean contact?"),
@@ -168,7 +175,7 @@ def test_a_start_outside_the_walls_is_one_message(start):
     """At the flywheel's start angle, before anything is stepped; in-process participants say the same."""
     changes = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
     scenario = load("slider-crank", [*changes, f"start={start}"])
-    said = r"slider_crank(\.|: )psi = 0\.02 rad .* at crank_angle = 1\.5708 rad"
+    said = r"slider_crank(\.start\.|: )psi = 0\.02 rad .* at crank_angle = 1\.5708 rad"
     with pytest.raises(ModelError, match=said):
         resolve_start(scenario, build_system(scenario))
     system = build_system(load("slider-crank", [*changes, "start=equilibrium"]))
@@ -218,7 +225,7 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
         with pytest.raises(ScenarioError, match=r"^mine.toml:3: tolerance.contact.lod: no such output"):
             build_system(load(file, changes))
     file.write_text('extends = "valve-train"\n[components.valve_spring.parameters]\nvalve_mass = -1\n')
-    with pytest.raises(ModelError, match=r"^mine.toml:3: valve_spring.valve_mass = -1 kg"):
+    with pytest.raises(ModelError, match=r"^mine.toml:3: components.valve_spring.parameters.valve_mass = "):
         build_system(load(file))
     with pytest.raises(ScenarioError) as error:
         build_system(load("valve-train", ["tolerance.contact.lod=1e-3"]))
@@ -342,3 +349,23 @@ def test_a_wrong_type_is_the_fault_and_not_the_duration(wrong):
         load("valve-train", ["stop_time=2 revolutions", f"components.flywheel.{wrong}"])
     assert f"components.flywheel.{wrong.partition('=')[0]}" in str(error.value)
     assert "stop_time" not in str(error.value)
+
+
+@pytest.mark.parametrize("name", ["valve-train", "finger-follower-hla", "shaft-in-bearings", "engine"])
+def test_a_value_out_of_its_range_is_named_by_the_path_that_set_takes(name):
+    """Each of every component; also numbers that its requirements compare, and start values."""
+    tried = 0
+    for part, table in load(name).components.items():
+        for section, layout in list_layouts(table.resolve()).items():
+            for variable in layout.variables:
+                quantity = layout.field(variable).quantity
+                least = quantity.limits()[0]
+                driven = section == "inputs" or "[" in variable or quantity.internal
+                if not math.isfinite(least) or quantity.discrete or driven:
+                    continue
+                path = f"components.{part}.{section}.{variable}"
+                with pytest.raises((ModelError, ScenarioError)) as error:
+                    build_system(load(name, [f"{path}={least - 1.0!r}"]))
+                assert re.search(rf"--set {re.escape(path)}[ :]", in_command_line(error.value)), path
+                tried += 1
+    assert tried > 10

@@ -167,7 +167,7 @@ OPENS = 360.0 - 2.0 * (60.0 + 25.0 / 3.0 - 2.5)
         (OPENS - 67.0, 126.0, "opens 67 deg after firing, against"),
         (OPENS - 67.0, 126.0, "e.g. '98 deg' for an exhaust valve"),
         (OPENS - 230.0, 126.0, "opens 230 deg after firing"),
-        (OPENS - 100.0, 150.0, "set exhaust_opening = '100 deg'"),
+        (OPENS - 100.0, 150.0, "set components.gas.parameters.exhaust_opening = '100 deg'"),
     ],
 )
 def test_a_valve_opens_where_engines_open_it_or_is_doubted(firing, blowdown, doubt):
