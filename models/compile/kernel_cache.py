@@ -185,8 +185,8 @@ class LinkedKernelCache(KernelCache):
         library = target_context.codegen().create_library(name)
         library.machine_code, library.apart = machine_code, bitcode is None
         if bitcode:
-            library._final_module = library._shared_module = llvm.parse_bitcode(bitcode)
-        library._finalized = True
+            library._final_module = llvm.parse_bitcode(bitcode)
+        library._shared_module, library._finalized = library._final_module, True
         return assemble(
             typing_context=target_context.typing_context,
             target_context=target_context,

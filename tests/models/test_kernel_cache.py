@@ -133,10 +133,11 @@ def test_a_kernel_serves_callers_and_python(large: str, tmp_path: Path) -> None:
     A large one has machine code that all callers share."""
     (tmp_path / "factory.py").write_text(FACTORY)
     begin = f"{large}from factory import *; a = made(3.0)"
-    inner_last = f"{begin}; print(outer(a)(1.0), a(1.0), outer(outer(a))(2.0))"
+    of_numba = "numba.njit(outer(a).py_func)(1.0)"
+    inner_last = f"import numba; {begin}; print(outer(a)(1.0), a(1.0), outer(outer(a))(2.0), {of_numba})"
     inner_first = f"{begin}; print(a(1.0), outer(a)(1.0), a(2.0))"
     for _ in "compiled", "from the cache":
-        assert run(tmp_path, inner_last).split() == ["9.0", "3.0", "162.0"]
+        assert run(tmp_path, inner_last).split() == ["9.0", "3.0", "162.0", "9.0"]
         assert run(tmp_path, inner_first).split() == ["3.0", "9.0", "6.0"]
     # Another caller, of whole numbers, links what another process compiled.
     once = f"{begin}; b = outer(a); print(b(1), sum(a._cache_hits.values()), shared(b, outer(b)))"
