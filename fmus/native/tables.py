@@ -122,9 +122,11 @@ def _variable(variable: Variable, elements: int) -> str:
 
 
 def _describe_range(variable: Variable) -> str:
-    """What follows the value in messages; only of what may be set is there anything to say."""
+    """What follows the value in messages; of what is calculated there is nothing to say but of states."""
     quantity = variable.quantity
-    return quantity.requirement() if quantity and variable.causality in ("parameter", "input") else ""
+    return (
+        quantity.requirement() if quantity and variable.causality in ("parameter", "input", "local") else ""
+    )
 
 
 def _string(text: str) -> str:

@@ -133,6 +133,28 @@ def test_a_whole_train_moves_as_the_reference(train, contact, stop, native, tmp_
         assert value == pytest.approx(float(reference[name][-1]), rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.long
+def test_a_whole_train_is_integrated_at_any_tolerance(tmp_path, capfd):
+    """By fmpy's CVODE, whose trial steps leave the range of the film. No call is refused; errors of the load
+    are those of docs/how-to/use-the-fmus.md."""
+    (path,) = tribocosim.build_scenario_fmus(
+        "valve-train", tmp_path, whole=True, native=True, platforms=[this_platform()]
+    )
+
+    def simulate(tolerance, interval):
+        return fmpy.simulate_fmu(
+            str(path), fmi_type="ModelExchange", stop_time=0.06, output_interval=interval,
+            relative_tolerance=tolerance, output=["contact.load"],
+        )["contact.load"]  # fmt: skip
+
+    sharp = simulate(1e-11, 1e-4)
+    for tolerance, bound in {1e-3: 2.0, 1e-5: 7e-2, 1e-6: 1.3e-2, 1e-7: 8e-4, 1e-8: 1e-4, 1e-9: 2e-5}.items():
+        for interval in (1e-3, 5e-5, 1.7e-5):
+            assert np.isfinite(simulate(tolerance, interval)).all()
+        assert np.sqrt(np.mean((simulate(tolerance, 1e-4) - sharp) ** 2)) < bound * np.std(sharp), tolerance
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_system_without_inputs_moves(tmp_path, isolated):
     """In free fall s = g t^2 / 2, which the integrator has exactly but for rounding."""
     (path,) = tribocosim.build_scenario_fmus("bouncing-mass", tmp_path, whole=True)

@@ -94,8 +94,7 @@ STATUS FMI(DERIVATIVES)(HANDLE handle, double dx[], size_t count)
 {
     NEEDS_EXCHANGE(DIFFERENTIABLE, NAME(DERIVATIVES));
     if (check_size(INSTANCE, count, CONTINUOUS_STATES, dx)) return FMI(Error);
-    instance_derivatives(INSTANCE, dx);
-    return FMI(OK);
+    return instance_derivatives(INSTANCE, dx);
 }
 
 STATUS FMI(GetEventIndicators)(HANDLE handle, double g[], size_t count)
@@ -103,6 +102,8 @@ STATUS FMI(GetEventIndicators)(HANDLE handle, double g[], size_t count)
     NEEDS_EXCHANGE(DIFFERENTIABLE, NAME(GetEventIndicators));
     if (check_size(INSTANCE, count, GUARDS, g)) return FMI(Error);
     instance_indicators(INSTANCE, g);
+    for (int i = 0; i < GUARDS; i++)
+        if (!isfinite(g[i])) return instance_undefined(INSTANCE, GUARDS_AT + (uint32_t)i, g[i]);
     return FMI(OK);
 }
 

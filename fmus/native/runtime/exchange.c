@@ -26,10 +26,13 @@ Status instance_set_states(Instance *instance, const double *x)
     return OK;
 }
 
-void instance_derivatives(Instance *instance, double *dx)
+Status instance_derivatives(Instance *instance, double *dx)
 {
     instance_all_derivatives(instance, instance->dx);
     for (int i = 0; i < CONTINUOUS_STATES; i++) dx[i] = instance->dx[continuous[i]];
+    for (int i = 0; i < CONTINUOUS_STATES; i++)
+        if (!isfinite(dx[i])) return instance_undefined(instance, DX_AT + (uint32_t)continuous[i], dx[i]);
+    return OK;
 }
 
 #if GUARDS

@@ -1,5 +1,6 @@
 #include "instance.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -329,11 +330,42 @@ void instance_ready(Instance *instance, uint32_t highest)
     }
 }
 
+static bool all_finite(const double *values, int count)
+{
+    while (count && isfinite(values[count - 1])) count--;
+    return !count;
+}
+
+/* The states, each moved into its range. A law that has no value for trial states of a host's solver goes on as at the
+   limit: then a solver that ignores DISCARD comes back, too. */
+static const double *move_inside(const Instance *instance, double *x)
+{
+    for (int i = 0; i < STATES; i++) {
+        const Variable *state = &variables[X_AT + i];
+        double least = state->positive ? fmax(state->low, DBL_EPSILON * nominal[i]) : state->low;
+        x[i] = fmin(fmax(instance->now.data[X_AT + i], least), state->high);
+    }
+    return x;
+}
+
 void instance_all_derivatives(Instance *instance, double *dx)
 {
+    double x[STATES + 1];
     const double *data = instance->now.data;
     instance_ready(instance, OUTPUTS_AT);
     CALL(derivative, data[T_AT], data + X_AT, data + U_AT, data, dx);
+    if (!all_finite(dx, STATES)) CALL(derivative, data[T_AT], move_inside(instance, x), data + U_AT, data, dx);
+}
+
+Status instance_undefined(const Instance *instance, uint32_t reference, double value)
+{
+    char message[1024] = "";
+    faults(variables + X_AT, instance->now.data + X_AT, STATES, message, sizeof message);
+    faults(variables + INPUTS_AT, instance->now.data + INPUTS_AT, INPUTS, message, sizeof message);
+    return instance_say(instance, DISCARD, "%s%s = %g at t = %.9g s: must be finite; %s",
+                        reference < GUARDS_AT ? "derivative of " : "", instance_name(instance_variable(reference)),
+                        value, instance->now.data[T_AT],
+                        *message ? message : "its law has no value for these states and inputs");
 }
 
 void instance_indicators(Instance *instance, double *g)
@@ -341,7 +373,9 @@ void instance_indicators(Instance *instance, double *g)
 #if GUARDS
     const double *data = instance->now.data;
     instance_ready(instance, OUTPUTS_AT);
+    double x[STATES + 1];
     CALL(guards, data[T_AT], data + X_AT, data + U_AT, data, g);
+    if (!all_finite(g, GUARDS)) CALL(guards, data[T_AT], move_inside(instance, x), data + U_AT, data, g);
 #else
     (void)instance; (void)g;
 #endif
@@ -364,6 +398,7 @@ Status instance_get(Instance *instance, Kind kind, const uint32_t *references, s
         values[i] = at < DX_AT       ? instance->now.data[at]
                     : at < GUARDS_AT ? instance->dx[at - DX_AT]
                                      : instance->guards[at - GUARDS_AT];
+        if (at >= DX_AT && !isfinite(values[i])) return instance_undefined(instance, at, values[i]);
     }
     return OK;
 }

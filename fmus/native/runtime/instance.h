@@ -138,9 +138,11 @@ const char *instance_name(const Variable *variable);
 /* In model exchange: continuous states, their rates and sizes, what indicates events, and events. */
 void instance_get_states(const Instance *instance, double *x);
 Status instance_set_states(Instance *instance, const double *x);
-void instance_derivatives(Instance *instance, double *dx);
+Status instance_derivatives(Instance *instance, double *dx); /* DISCARD where one is not finite */
 void instance_all_derivatives(Instance *instance, double *dx); /* of modes and counts, too */
 void instance_indicators(Instance *instance, double *g);
+/* DISCARD, and a message: what this reference stands for is not finite, with states and inputs out of their ranges. */
+Status instance_undefined(const Instance *instance, uint32_t reference, double value);
 bool instance_event_is_due(Instance *instance); /* a guard has fallen, perhaps unseen, between two looks of the host */
 /* Performs the events that are due. `changed`: states were; `next`: the time of the next known one, or INFINITY. */
 Status instance_events(Instance *instance, bool *changed, double *next);

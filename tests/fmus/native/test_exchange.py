@@ -1,7 +1,8 @@
 """Model exchange of native FMUs; derivatives by calls are those by variables, to the last bit."""
 
-from ctypes import c_double, c_int, c_size_t, c_uint
+from ctypes import POINTER, c_double, c_int, c_size_t, c_uint
 from pathlib import Path
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -23,6 +24,10 @@ MOTIONS = {
     # Chatter ends by sliding before its flights are shorter than a host's steps.
     "slider_crank": ({"crank_speed": 100.0, "psi_start": 5e-4, "sliding_threshold": 5e-3}, 0.2),
 }
+
+
+def pointer_to(values: np.ndarray) -> Any:
+    return values.ctypes.data_as(POINTER(c_double))
 
 
 def simulated(fmu: Path, kind: str, start: dict, stop: float, names: list[str]) -> np.ndarray:
@@ -86,9 +91,7 @@ def test_states_may_be_set_one_by_one(fmi3_files):
                 fmu.setFloat64(position, [0.25])
             fmu.enterContinuousTimeMode()
             state, rate = np.zeros(len(order)), np.zeros(len(order))
-            pointers = [
-                vector.ctypes.data_as(fmpy.fmi3.POINTER(fmpy.fmi3.fmi3Float64)) for vector in (state, rate)
-            ]
+            pointers = [pointer_to(vector) for vector in (state, rate)]
             fmu.getContinuousStates(pointers[0], len(order))
             if alone:
                 fmu.setFloat64(position, [0.25])
@@ -100,6 +103,24 @@ def test_states_may_be_set_one_by_one(fmi3_files):
     slave.free()
     assert rates[0] == rates[1]
     assert any(rates[0])
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_beyond_its_range_a_film_grows_as_at_the_limit(fmi, native_files, fmi3_files):
+    """At any thickness that is not positive, which solvers try, by one finite rate; faster than within."""
+    make, files = {2: (Instance, native_files), 3: (Instance3, fmi3_files)}[fmi]
+    slave = make(files["ehl_contact"])
+    rate, rates = np.zeros(1), []
+    with slave.exchanging(load_is_given=True, applied_load=500.0, entraining_velocity=1.0) as fmu:
+        fmu.enterContinuousTimeMode()
+        for film in (1e-7, 0.0, -1e-7, -1.0):
+            fmu.setContinuousStates((c_double * 1)(film), 1)
+            (fmu.getDerivatives if fmi == 2 else fmu.getContinuousStateDerivatives)(pointer_to(rate), 1)
+            rates.append(float(rate[0]))
+    slave.free()
+    assert not slave.messages
+    assert np.isfinite(rates).all()
+    assert rates[0] < rates[1] == rates[2] == rates[3]
 
 
 STEP, STEPS, ORDERS = 1e-5, 20, (1, 2, 3)

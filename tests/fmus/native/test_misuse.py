@@ -203,6 +203,13 @@ def exchanging(host: Host) -> Host:
     return host.initialized()
 
 
+def overflowing(host: Host) -> int:
+    size = sum(name.startswith("der(state.") for name in host.at)
+    exchanging(host).EnterContinuousTimeMode()
+    assert not host.SetContinuousStates((c_double * size)(*[1e308] * size), c_size_t(size))
+    return host.GetDerivatives((c_double * size)(), c_size_t(size))
+
+
 MISUSES: dict[str, Callable[[Host], int | None]] = {
     "wrong GUID": wrong_guid,
     "no instance name": without_name,
@@ -253,6 +260,7 @@ MISUSES: dict[str, Callable[[Host], int | None]] = {
         (c_double * 99)(), c_size_t(99)
     ),
     "a time of NaN, in model exchange": lambda host: exchanging(host).SetTime(math.nan),
+    "derivatives that are not finite, in model exchange": overflowing,
 }
 
 
