@@ -70,7 +70,7 @@ def test_times_of_a_session_have_an_end_and_what_cannot_be_set_is_named() -> Non
         for name, value, message in (
             ("second.force", 0.0, r"is driven by first\.force"),
             ("first.mass", 1.0, r"is a parameter; take scenario\.with_"),
-            ("first.force", 1.0, "that no connection drives"),
+            ("first.force", 1.0, "no input is free: connections drive all"),
         ):
             with pytest.raises(tribocosim.MistakeError, match=message):
                 session.set(name, value)

@@ -138,7 +138,10 @@ class Session:
         """
         self._check_open()
         if name not in (free := self.inputs):
-            reason = self._explain_bound(name) or f"{one_of(free, name)} (inputs that no connection drives)"
+            known = f"{one_of(free, name)} (inputs that no connection drives)"
+            reason = self._explain_bound(name) or (
+                known if free else "no input is free: connections drive all"
+            )
             raise MistakeError(f"{name}: {reason}")
         number = self._check_input(name, value)
         self._keep_start()

@@ -25,8 +25,10 @@ from models.multibody.witnessed_trains import DirectTrain, PushrodTrainOfParts, 
 from ..engine.signals import DEGREES
 from ..errors import Set, Words, join
 from ..scenario import Scenario, ScenarioError
+from ..scenario.capabilities import describe_unsolvable, leaves_remainder, list_foreign
 from ..scenario.fmu_limits import FmuLimits
 from ..scenario.origin import names_file
+from ..scenario.warnings import longest_sensible_step
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -56,89 +58,123 @@ class VariableError:
 
     @property
     def within(self) -> bool:
-        """True without a tolerance. With one, error and reference's uncertainty must both be within it."""
-        if self.tolerance is None:
-            return True
-        return self.relative_rms <= self.tolerance and self.uncertainty.relative_rms <= self.tolerance
+        """Whether error and reference's uncertainty together are within the tolerance, if there is one."""
+        return self.tolerance is None or self.relative_rms + self.uncertainty.relative_rms <= self.tolerance
 
 
 Errors = dict[str, VariableError]
 
 
 def verdict(errors: Errors) -> tuple[bool, str]:
-    """Whether all tolerances are kept, and a sentence that names what is not."""
-    failed = []
+    """Whether all tolerances are kept, and a sentence that names what is not, or what is not known."""
+    failed, unknown = [], []
     for name, error in errors.items():
         own = error.uncertainty.relative_rms
         if error.tolerance is None or error.within:
             continue
-        if own <= error.tolerance or error.relative_rms > error.tolerance + own:
-            failed.append(f"{name}: relative RMS error {error.relative_rms:.2g} > {error.tolerance:g}")
+        if error.relative_rms - own > error.tolerance:
+            found = show_beside(error.relative_rms, error.tolerance)
+            failed.append(f"{name}: relative RMS error {found} > {error.tolerance:g}")
         else:
             lower = "lower reference.tolerance, or with a pressure field reference.step"
-            remedy = lower if error.order is None else "reduce macro_step"
-            failed.append(
-                f"{name}: the reference's own uncertainty {own:.2g} is above the tolerance "
-                f"{error.tolerance:g} ({remedy})"
+            equations = "reduce macro_step, or where equations are known set reference.method = 'monolithic'"
+            unknown.append(
+                f"{name}: relative RMS error {error.relative_rms:.2g}, known to {own:.2g} only, "
+                f"{error.tolerance:g} allowed ({lower if error.order is None else equations})"
             )
-    if failed:
-        return False, "outside the tolerance: " + "; ".join(failed)
-    return True, "within the tolerance"
+    said = {"outside the tolerance: ": failed, "not known to be within the tolerance: ": unknown}
+    parts = [head + "; ".join(each) for head, each in said.items() if each]
+    return not parts, "; ".join(parts) or "within the tolerance"
 
 
-# Held signals have order 1. An error that falls with a clearly lower power of the steps is not theirs.
+def show_beside(value: float, limit: float, kind: str = "g") -> str:
+    """A value in two digits, or as many as leave it on its side of the limit."""
+    texts = (f"{value:.{digits - (kind == 'e')}{kind}}" for digits in range(2, 18))
+    return next((text for text in texts if (float(text) > limit) == (value > limit)), "nan")
+
+
+# Held signals have order 1. An error that falls with a clearly lower power of the steps is not theirs alone.
 LEAST_ORDER = 0.8
-# By these the steps are divided.
-ROUND = [factor * 10**power for power in range(4) for factor in (2, 5, 10)]
+# An error is to be half of what is allowed: orders are not exact.
+MARGIN = 2.0
 
 
 def advise(scenario: Scenario, errors: Errors, orders: Mapping[str, float], solvers: Sequence[str]) -> Words:
     """The likeliest cause of these too large errors, and what helps, for a verdict.
 
-    The `orders` are the measured powers of the steps with which errors fall. One that does not fall is an
-    error of the FMUs' own `solvers`.
+    The `orders` are the measured powers of the steps with which errors fall; without a clear one no cause is
+    named. Of the FMUs' own `solvers` errors are seen; one that does not fall is theirs.
     """
-    least = LEAST_ORDER if solvers else 0.0
-    falling = {name: orders[name] for name in errors if orders.get(name, math.nan) > least}
-    blamed = _blame_solvers(errors, orders, solvers)
+    falling = {name: orders[name] for name in errors if orders.get(name, math.nan) > LEAST_ORDER}
+    stay = {name: orders[name] for name in errors if orders.get(name, math.nan) <= LEAST_ORDER}
+    blamed = (_blame_solvers(stay, solvers) if solvers else _leave_open(scenario, stay)) if stay else ""
     if not errors or (orders and not falling):
         return blamed
     return join(blamed, "; ", _advise_on_coupling(scenario, errors, falling))
 
 
-def _blame_solvers(errors: Errors, orders: Mapping[str, float], solvers: Sequence[str]) -> str:
-    """What of these errors halved steps leave; empty if none stays."""
-    stay = [name for name in errors if solvers and orders.get(name, math.nan) <= LEAST_ORDER]
-    if not stay:
-        return ""
-    left = ", ".join(f"{100.0 * 2.0 ** -orders[name]:.0f} % of the error of {name}" for name in stay)
+def _blame_solvers(stay: Mapping[str, float], solvers: Sequence[str]) -> str:
+    """What of these errors halved steps leave."""
+    left = ", ".join(f"{100.0 * 2.0**-order:.0f} % of the error of {name}" for name, order in stay.items())
     return (
         f"; halved steps leave {left}, so the own solvers of {', '.join(solvers)} are the likely cause: "
         "interface = 'model_exchange' integrates their equations here instead"
     )
 
 
+def _leave_open(scenario: Scenario, stay: Mapping[str, float]) -> Words:
+    """Errors without a clear order, where all runs have those of the FMUs' own solvers."""
+    fell = ", ".join(f"the error of {name} falls with the power {order:.2g}" for name, order in stay.items())
+    said = f"; {fell} of the steps: no clear order, so its cause is not known"
+    foreign = {name: table.describe() for name, table in scenario.components.items() if table.third_party}
+    if not foreign:
+        return f"{said}; reduce macro_step"
+    said += (
+        f": the coupling, or the own solvers of {', '.join(foreign)}, whose errors change with the steps; "
+    )
+    offered = [name for name, about in foreign.items() if about.exchange and not about.integrated]
+    inside: list[Words] = [(", ", Set(f"components.{name}.interface", "model_exchange")) for name in offered]
+    if not describe_unsolvable(scenario, list_foreign(scenario)):
+        inside.insert(0, (", ", Set("reference.method", "monolithic"), " tells them apart"))
+    if offered:
+        inside.append(" integrates equations here")
+    return join(said, "reduce macro_step, or the tolerances of these solvers", *inside)
+
+
 def _advise_on_coupling(scenario: Scenario, errors: Errors, falling: Mapping[str, float]) -> Words:
     """Steps, and signals, that keep the tolerance; `falling` has the orders of errors that steps reduce."""
-    found, excess = "", 10.0
-    if falling:
-        shares = {name: errors[name].relative_rms / (errors[name].tolerance or math.inf) for name in falling}
-        name = max(falling, key=shares.__getitem__)
-        excess = 2.0 * shares[name]
-        found = f"the error of {name} falls with the power {falling[name]:.2g} of the steps, so the "
-        found += "coupling is its cause; "
-        excess = excess if scenario.step_control else excess ** (1.0 / falling[name])
-    parts = next((factor for factor in ROUND if factor >= excess), ROUND[-1])
-    shorter = (
-        Set("step_control.relative", float(f"{scenario.step_control.relative / parts:.6g}"))
-        if scenario.step_control
-        else Set("macro_step", f"{scenario.macro_step / parts:.6g} s")
-    )
     limits, used = FmuLimits(scenario), scenario.build_master().degree
     useful = limits.useful_degree if limits.followed or not used else 0
+    found, order = "", 1.0 + min(used, useful)
+    shares = {
+        name: errors[name].relative_rms / (errors[name].tolerance or math.inf) for name in falling or errors
+    }
+    name = max(shares, key=shares.__getitem__)
+    if falling:
+        order = falling[name]
+        found = f"the error of {name} falls with the power {order:.2g} of the steps, so the "
+        found += "coupling is its cause; "
+    excess = MARGIN * shares[name]
+    shorter = (
+        Set("step_control.relative", float(f"{scenario.step_control.relative / excess:.1g}"))
+        if scenario.step_control
+        else Set("macro_step", f"{divide(scenario, excess ** (1.0 / order)):.6g} s")
+    )
     signals: Words = ", or signals of a higher order: ", Set("master.extrapolation", list(DEGREES)[useful])
     whole = [(Set(f"components.{name}.interface", "model_exchange"), ", or ") for name in limits.integrable]
     return found, *whole, "shorter steps: ", shorter, signals if useful > used else ""
+
+
+def divide(scenario: Scenario, parts: float) -> float:
+    """The longest macro step, of three digits where there is one, that is at least so many times shorter than
+    the scenario's, divides its output step or else its stop time, and exchanges values often enough."""
+    whole = scenario.output_step or scenario.stop_time
+    longest = min(scenario.macro_step / parts, longest_sensible_step(scenario))
+    digit = 10.0 ** (math.floor(math.log10(longest)) - 2)
+    steps = (float(f"{count * digit:.3g}") for count in range(int(longest / digit * (1.0 + 1e-9)), 99, -1))
+    return next(
+        (step for step in steps if not leaves_remainder(whole, step)), whole / math.ceil(whole / longest)
+    )
 
 
 def describe_largest(errors: Errors) -> str:
@@ -148,9 +184,10 @@ def describe_largest(errors: Errors) -> str:
         return ""
     name = max(judged, key=lambda one: judged[one].relative_rms / (judged[one].tolerance or 1.0))
     error = judged[name]
+    found = show_beside(error.relative_rms, error.tolerance or 1.0, "e")
     return (
-        f"largest error: {error.relative_rms:.1e} in {name} (relative RMS, {error.tolerance:.0e} allowed); "
-        f"the reference is known to {error.uncertainty.relative_rms:.0e}"
+        f"largest error: {found} in {name} (relative RMS, "
+        f"{error.tolerance:.0e} allowed); the reference is known to {error.uncertainty.relative_rms:.0e}"
     )
 
 

@@ -33,7 +33,7 @@ def choose_reference(scenario: Scenario) -> str | None:
         raise ScenarioError(f"start = 'equilibrium': {foreign[0]}; set start = 'given'")
     if not scenario.reference.enabled:
         return None
-    asked, unknown = scenario.reference.method, _describe_unsolvable(scenario, foreign)
+    asked, unknown = scenario.reference.method, describe_unsolvable(scenario, foreign)
     if asked == "refinement" or (asked == "auto" and unknown):
         return REFINEMENT
     if unknown:
@@ -43,7 +43,7 @@ def choose_reference(scenario: Scenario) -> str | None:
     return BY_PARTS if foreign else MONOLITHIC
 
 
-def _describe_unsolvable(scenario: Scenario, foreign: Sequence[str]) -> str:
+def describe_unsolvable(scenario: Scenario, foreign: Sequence[str]) -> str:
     """Why no monolithic reference can be solved, in words; empty if one can."""
     closed = [
         name
@@ -148,7 +148,7 @@ def _find_fault(scenario: Scenario, name: str, about: Description) -> str:
                 "takes steps of one length only (canHandleVariableCommunicationStepSize = false), but "
                 f"{cause} varies the length; leave it out"
             )
-        if _leaves_remainder(scenario.stop_time, scenario.macro_step):
+        if leaves_remainder(scenario.stop_time, scenario.macro_step):
             return (
                 "takes steps of one length only (canHandleVariableCommunicationStepSize = false), and "
                 f"stop_time = {scenario.stop_time:g} s is no whole multiple of macro_step = "
@@ -199,7 +199,7 @@ def list_file_warnings(scenario: Scenario) -> Iterator[str]:
                 f"modelIdentifier is {about.identifier}"
             )
         own = about.fixed_step
-        if own and (scenario.step_control or _leaves_remainder(step, own)):
+        if own and (scenario.step_control or leaves_remainder(step, own)):
             remedy = (
                 "interface = 'model_exchange'"
                 if about.exchange
@@ -216,6 +216,6 @@ def list_file_warnings(scenario: Scenario) -> Iterator[str]:
             )
 
 
-def _leaves_remainder(length: float, part: float) -> bool:
+def leaves_remainder(length: float, part: float) -> bool:
     """Whether `length` is no whole number of parts."""
     return abs(length / part - round(length / part)) > WHOLE_STEPS or round(length / part) < 1

@@ -57,15 +57,21 @@ def list_warnings(scenario: Scenario) -> list[str]:
     ]
 
 
+def longest_sensible_step(scenario: Scenario) -> float:
+    """A hundredth of a run that makes a few macro steps only, and exchanges values between them; any else."""
+    few = scenario.connections and scenario.stop_time / scenario.macro_step < FEW_STEPS
+    return scenario.stop_time / 100.0 if few and not scenario.step_control else math.inf
+
+
 def _doubt_times(scenario: Scenario) -> list[str]:
     """Warn of a time that may have been meant in ms, and of a run in a few steps."""
     stop, step = scenario.stop_time, scenario.macro_step
-    if scenario.connections and not scenario.step_control and stop / step < FEW_STEPS:
+    if step > longest_sensible_step(scenario):
         made = math.ceil(stop / step - WHOLE_STEPS)
         return [
             f"macro_step = {step:g} s: the run to stop_time = {stop:g} s makes {made} "
             f"step{'s' * (made > 1)}, and values are exchanged only between steps; take "
-            f"{stop / 100.0:.2g} s or less"
+            f"{longest_sensible_step(scenario):.2g} s or less"
         ]
     if scenario.step_control or stop < LONG or stop / step < MANY_STEPS:
         return []

@@ -243,9 +243,11 @@ def format_path(out: Path) -> Path:
 def lock_folder(out: Path) -> Iterator[Path]:
     """The folder, made if it isn't there; MistakeError if another process works on the run.
 
-    Removed at the end if it is empty. The lock ends with the process. OSError if it cannot be made.
+    Removed at the end if it is empty, as are the folders that it was made in. The lock ends with the process.
+    OSError if it cannot be made.
     """
     folder = find_run_state(out)
+    made = [path for path in folder.parents if not path.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     lock = locket.lock_file(str(folder / LOCK), timeout=0)
     try:
@@ -259,6 +261,9 @@ def lock_folder(out: Path) -> Iterator[Path]:
         if [path.name for path in folder.iterdir()] == [LOCK]:
             (folder / LOCK).unlink()
             folder.rmdir()
+            for path in made:
+                if not any(path.iterdir()):
+                    path.rmdir()
 
 
 def clear_run_state(folder: Path) -> None:

@@ -14,11 +14,13 @@ from models.compile.temporary import TemporaryFolder
 
 from ..analyses._evaluate import create_folder, find_results
 from ..assessment.trains import check_lash
+from ..engine.signals import DEGREES
 from ..errors import MistakeError, RunError, in_command_line
 from ..masters import MASTERS, find_master
 from ..plots.style import create_subplots, save_figure
 from ..report.answer import Answer
 from ..reporter import Reporter, follow
+from ..run.comparison import show_beside
 from ..run.pipeline import run
 from ..scenario import Scenario
 from ..scenario.display import SYMBOLS
@@ -89,6 +91,7 @@ def compare_masters(
     answer = Answer(f"{scenario.name}: masters", reporter)
     answer.table(_tabulate(scenario, tried))
     answer.line(judge(tried))
+    answer.line(_list_untried(tried, FmuLimits(scenario).useful_degree))
     if left := [name for name in MASTERS if name not in names]:
         answer.line(f"left out: {', '.join(left)}, which repeat steps; an FMU cannot restore its state")
     answer.write(folder, f"{NAME}.html", (f"{NAME}.csv", f"{NAME}.png"))
@@ -127,8 +130,18 @@ def judge(tried: Sequence[Tried]) -> str:
         )
     return (
         f"verdict: {best.master} at {step} keeps the tolerance ({best.error:.2g} of it) with "
-        f"the fewest doSteps, {best.steps:.0f}: {keys}"
+        f"the fewest doSteps of these, {best.steps:.0f}: {keys}"
     )
+
+
+def _list_untried(tried: Sequence[Tried], highest: int) -> str:
+    """The signals of these runs, and how to compare others that the participants follow."""
+    used = dict.fromkeys(one.signals for one in tried if one.signals)
+    others = [name for name, degree in DEGREES.items() if degree <= highest and name not in used]
+    said = f"signals tried: {', '.join(used)}"
+    *more, best = others or [""]
+    besides = f" (or {', '.join(more)})" * bool(more)
+    return f"{said}; others may need less: `--set master.extrapolation={best}`{besides}" if best else said
 
 
 def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:
@@ -140,7 +153,7 @@ def _tabulate(scenario: Scenario, tried: Sequence[Tried]) -> Table:
     for one in tried:
         found: tuple[str, ...] = ("failed", one.message[:60])
         if not one.message:
-            found = f"{one.error:.2g}", one.output, f"{one.steps:.0f}", f"{one.seconds:.2g}"
+            found = show_beside(one.error, 1.0), one.output, f"{one.steps:.0f}", f"{one.seconds:.2g}"
         table.add_row(one.master, one.signals, f"{one.macro_step:g}", *found)
     return table
 

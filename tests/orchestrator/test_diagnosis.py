@@ -189,6 +189,12 @@ def test_a_rule_speaks_with_ground_and_is_silent_without(rule):
     assert rule not in said(facts(EQUAL if equal else CONTROLLED))
 
 
+def test_a_master_that_a_survey_chose_is_not_called_too_weak():
+    assert "stiff_connection" not in said(
+        facts(CONTROLLED, "master.name=gauss_seidel", "master.chosen=surveyed")
+    )
+
+
 def test_a_torque_that_moves_nothing_is_not_called_stiff():
     """A flywheel takes notice of it where its speed is free."""
     steps = made(np.full(1000, 1e-5), source=TORQUE)

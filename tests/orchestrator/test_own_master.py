@@ -14,7 +14,7 @@ from orchestrator.errors import MistakeError, RunError
 from orchestrator.masters import MASTERS
 from orchestrator.scenario.files import load
 from orchestrator.scenario.fmu_limits import FmuLimits
-from orchestrator.study.masters import LONGER, Tried, compare_masters, judge
+from orchestrator.study.masters import LONGER, Tried, _list_untried, compare_masters, judge
 from tribocosim.cached_fmus import build_fmu
 from tribocosim.reporting import SilentReporter
 
@@ -135,3 +135,10 @@ def test_the_verdict_on_masters_is_the_least_work_within_the_tolerance():
     more = [Tried("iterated", 4.0, 0.2, "a.x", 140.0)]
     assert judge([*runs, *more]).endswith("100: `--set master.name=jacobi --set macro_step='2 s'`")
     assert "no master keeps the tolerance" in judge([runs[0], failed])
+
+
+def test_signals_that_were_not_tried_are_named_with_how_to_try_them():
+    """Up to the degree that the participants follow."""
+    runs = [Tried("jacobi", 1.0, 0.5, "a.x", 9.0, signals="quadratic")]
+    assert _list_untried(runs, 3).endswith("`--set master.extrapolation=hermite` (or hold, linear)")
+    assert "hermite" not in _list_untried(runs, 2)

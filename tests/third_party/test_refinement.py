@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import tribocosim
 from models.core.difference import Difference, difference, time_weights
 from models.core.remedies import in_command_line, in_python
-from orchestrator.run.comparison import VariableError, advise
+from orchestrator.run.comparison import VariableError, advise, divide, verdict
 from orchestrator.run.reference import extrapolate
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
@@ -159,10 +159,59 @@ def test_the_coupling_is_named_as_cause_and_the_advice_brings_the_run_within_its
         assert tribocosim.run(plain.with_({path: value})).summary["exit_status"] == 0, (path, value)
 
 
+def made_error(relative, own=0.0, tolerance=1e-3, order=None):
+    return VariableError(relative, relative, relative, Difference(own, own, own), tolerance, order)
+
+
+@pytest.mark.plain
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (made_error(2e-4, 7e-4), "within the tolerance"),
+        (
+            made_error(7.6e-4, 8e-4, order=2.0),
+            "not known to be within the tolerance: a.x: relative RMS error ",
+        ),
+        (made_error(1.2e-3, 8e-4), "not known to be within the tolerance: a.x: relative RMS error 0.0012, "),
+        (made_error(2.6e-3, 8e-4), "outside the tolerance: a.x: relative RMS error 0.0026 > 0.001"),
+        (made_error(1.0004e-3), "outside the tolerance: a.x: relative RMS error 0.0010004 > 0.001"),
+    ],
+)
+def test_a_verdict_is_sure_where_error_and_uncertainty_are(error, said):
+    """On one side of the tolerance together, in digits that show it."""
+    within, text = verdict({"a.x": error})
+    assert text.startswith(said)
+    assert within == (said == "within the tolerance")
+    assert ("reference.method = 'monolithic'" in text) == (error.order is not None)
+
+
+@pytest.mark.plain
+def test_without_a_clear_order_no_cause_is_named():
+    """Of public FMUs whose own solvers' errors change with the steps; both offer model exchange."""
+    parts = {name: {"participant": public("reference-fmus-3/VanDerPol.fmu")} for name in ("a", "b")}
+    one = scenario(parts, connections=[], tolerance={"a.x0": 1e-3}, reference={"method": "refinement"})
+    said = in_command_line(advise(one, {"a.x0": made_error(2e-3)}, {"a.x0": 0.58}, []))
+    assert "power 0.58 of the steps: no clear order, so its cause is not known" in said
+    assert "own solvers of a, b" in said
+    for action in ("reference.method=monolithic", "components.b.interface=model_exchange"):
+        assert f"--set {action}" in said
+
+
+@pytest.mark.plain
+@given(parts=st.floats(1.0, 50.0), step=st.sampled_from([1e-3, 2.5e-3, 0.1, 4.0]))
+def test_an_advised_step_is_as_long_as_it_may_be(parts, step):
+    """It divides the run in numbers of three digits, of which the ones farthest apart are 1 and 1.25, and
+    1.28 and 1.6. A run of few steps gets a hundred, as its warning says."""
+    one = load("quarter-car", ["stop_time=4 s", f"macro_step={step} s"])
+    found, longest = divide(one, parts), min(step / parts, 4.0 / 100 if step > 1.0 else 4.0)
+    assert 0.75 * longest < found <= longest * (1.0 + 1e-9)
+    assert 4.0 / found == pytest.approx(round(4.0 / found), rel=1e-9)
+
+
 @pytest.mark.plain
 def test_an_error_that_halved_steps_leave_is_the_own_solvers():
     """Of two errors one falls with the steps; what is said first is what remains."""
-    own = VariableError(1.0, 1.0, 1e-2, Difference(0.0, 0.0, 0.0), tolerance=1e-4)
+    own = made_error(1e-2, tolerance=1e-4)
     one = load("quarter-car")
     said = in_python(advise(one, {"a.x": own, "b.y": own}, {"a.x": 0.0, "b.y": 2.0}, ["a"]))
     first, second = said.removeprefix("; ").split("; ", 1)
@@ -178,12 +227,12 @@ def test_equations_are_advised_before_steps_and_no_signal_that_nobody_follows():
     name = "through.Float64_continuous_output"
     lines = ["one.x0 -> through.Float64_continuous_input"]
     signals = {"name": "jacobi", "extrapolation": "linear"}
-    errors = {name: VariableError(1.0, 1.0, 5e-3, Difference(0.0, 0.0, 0.0), tolerance=1e-3)}
+    errors = {name: made_error(5e-3)}
     parts = {"one": source, "through": table}
     closed = scenario(parts, connections=lines, master=signals)
     said = in_command_line(advise(closed, errors, {name: 1.0}, []))
     inside = "--set components.through.interface=model_exchange"
-    assert said.index(inside) < said.index("macro_step=0.001 s")
+    assert said.index(inside) < said.index("macro_step=")
     assert "extrapolation" not in said
     warned = [text for text in list_warnings(closed) if "fixedInternalStepSize" in text]
     assert [text.partition("; ")[2] for text in warned] == ["take interface = 'model_exchange'"]

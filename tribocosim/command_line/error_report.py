@@ -105,11 +105,11 @@ def _discard_output() -> None:
 def describe_error(error: Exception) -> tuple[str, int]:
     """The message for the user, and the exit status."""
     from models.core.remedies import ExplainedError, in_command_line
-    from orchestrator.errors import MistakeError
+    from orchestrator.errors import MistakeError, RefusedError
     from orchestrator.store.atomic_write import NO_ROOM
 
     if isinstance(error, ExplainedError):
-        return in_command_line(error), MISTAKE if isinstance(error, MistakeError) else FAILED
+        return in_command_line(error), MISTAKE if isinstance(error, (MistakeError, RefusedError)) else FAILED
     if isinstance(error, OSError) and error.filename and error.strerror in NO_ROOM:
         remedy = "free some space and repeat the command (for a started run: tribocosim resume)"
         return f"{error.filename}: {error.strerror}; {remedy}", FAILED

@@ -182,7 +182,12 @@ def build_dataset(found: Survey) -> xarray.Dataset:
         "master": ("", "co-simulation master", lambda m: find_name(m.master)),
         "extrapolation": ("", "input signals", lambda m: m.master.extrapolation),
         "order": ("", "order of the participants", lambda m: " ".join(m.order)),
-        "largest_stable_step": ("s", "up to which all is stable; inf: all looked at", lambda m: m.limit),
+        "largest_stable_step": (
+            "s",
+            "up to which all is stable, or the longest looked at",
+            lambda m: min(m.limit, m.samples[-1].step),
+        ),
+        "always_stable": ("1", "stable at all steps looked at", lambda m: int(math.isinf(m.limit))),
         "hardest_time": ("s", "instant of the point with that limit", lambda m: m.hardest_time),
         "runs_away": ("", "exchanged value that grows beyond", lambda m: str(m.growing_output or "")),
         "contracting_step": ("s", "up to which plain iteration contracts", lambda m: m.contracting_step),

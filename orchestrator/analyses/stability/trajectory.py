@@ -11,6 +11,7 @@ from models.monolithic.trajectory import Trajectory, compute_trajectory
 
 from ...engine.observer import Observer
 from ...engine.step import Step
+from ...errors import ParticipantError, RefusedError
 from ...masters import MASTERS, Master
 from ...participants.in_process import InProcessParticipant as in_process
 from ...participants.protocol import BoundVariables, Participant
@@ -54,7 +55,12 @@ def run_course(
     """
     recorder = _OutputsRecorder(system, times, progress)
     interval = float(times[1] - times[0])
-    simulate(system, units, master, FixedSteps(interval), float(times[-1]), [recorder], float(times[0]))
+    try:
+        simulate(system, units, master, FixedSteps(interval), float(times[-1]), [recorder], float(times[0]))
+    except ParticipantError as error:
+        if recorder.seen:
+            raise
+        raise RefusedError(error) from None
     inputs = np.tile(system.u0, (len(times), 1))
     inputs[:, system.target_index] = recorder.outputs[:, system.source_index]
     return Trajectory(times, {}, inputs, recorder.outputs, differentiate(recorder.outputs) / interval)
@@ -67,6 +73,11 @@ class _OutputsRecorder(Observer):
         self._progress, self._times = progress, times
         self.outputs = np.zeros((len(times), system.outputs.size))
         self._row = 0
+
+    @property
+    def seen(self) -> bool:
+        """Whether there were first values."""
+        return self._row > 0
 
     def observe(self, time: float, outputs: Callable[[], Vector], step: Step) -> None:
         near = 1e-6 * (self._times[1] - self._times[0])

@@ -29,14 +29,18 @@ WORTH = 0.05  # of the doStep calls: a saving of less is not worth a change
 
 
 def stiff_connection(facts: Facts) -> str | None:
-    """One variable's error limits most steps under a master that does not iterate."""
+    """One variable's error limits most steps under a master that does not iterate, and was not chosen by a
+    survey."""
     name, share = facts.limiting
     if share < MOST or facts.master.implicit or not facts.limits.restorable or not facts.is_felt(name):
         return None
+    if facts.scenario.master.chosen:
+        return None
     signal = list(DEGREES)[facts.limits.useful_degree]
     return (
-        f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; an explicit master's "
-        f'error, not the motion, may set the step: [master] name = "iterated", extrapolation = "{signal}"'
+        f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; the motion may set the "
+        "step, or an explicit master's error where `tribocosim analyse` shows the coupling to be stiff: then "
+        f'[master] name = "iterated", extrapolation = "{signal}"'
     )
 
 
@@ -91,8 +95,8 @@ def _coupling(facts: Facts, variable: str) -> str:
     """The coupling that a variable belongs to, in words."""
     own, *others = sorted(facts.around(variable), key=lambda name: name != variable.split(".")[0])
     if others:
-        return f"the coupling {own} <-> {', '.join(others)} is the stiff one"
-    return f"its connection to {', '.join(facts.targets.get(variable, ['nothing']))} is the fast one"
+        return f"the coupling {own} <-> {', '.join(others)}"
+    return f"its connection to {', '.join(facts.targets.get(variable, ['nothing']))}"
 
 
 def _quote(name: str) -> str:
