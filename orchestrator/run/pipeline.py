@@ -36,7 +36,7 @@ from .checkpoint import read
 from .discards import execute_with_retries
 from .plan import Plan, make_plan
 from .publish import open_result, publish, publish_merits, settle_ending
-from .summary import ENDS, FAILED, Summary, begin_summary
+from .summary import ENDS, FAILED, INTERRUPTED, Summary, begin_summary
 
 
 def run(
@@ -53,6 +53,14 @@ def run(
     reporter.times.clear()
     plan = make_plan(resolve(scenario), build, reporter, figures)
     return run_plan(plan, out, reporter, overwrite, began)
+
+
+def run_part(scenario: Scenario, out: Path, build: Builder, reporter: Reporter) -> Summary:
+    """A run without figures, as a part of a command, which ends where the run is interrupted."""
+    summary = run(scenario, out, build, reporter, figures=False)
+    if summary.exit_status == INTERRUPTED:
+        raise KeyboardInterrupt
+    return summary
 
 
 def run_plan(

@@ -21,7 +21,7 @@ from ..plots.style import create_subplots, save_figure
 from ..report.answer import Answer
 from ..reporter import Reporter, follow
 from ..run.comparison import show_beside
-from ..run.pipeline import run
+from ..run.pipeline import run_part
 from ..scenario import Scenario
 from ..scenario.display import SYMBOLS
 from ..scenario.fmu_limits import FmuLimits
@@ -105,7 +105,7 @@ def _try(
         one = vary({"master.name": name, "macro_step": step})
         signals = one.build_master().extrapolation
         with TemporaryFolder() as folder:
-            summary = run(one, folder / "run", build, silent, figures=False)
+            summary = run_part(one, folder / "run", build, silent)
     except (MistakeError, RunError) as error:
         return Tried(name, step, message=in_command_line(error))
     shares = {key: e.relative_rms / e.tolerance for key, e in summary.errors.items() if e.tolerance}

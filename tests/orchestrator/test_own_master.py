@@ -115,10 +115,19 @@ def test_what_no_master_runs_is_said_once(tmp_path, monkeypatch):
     done = called("masters", str(file), "--out", str(tmp_path / "out"))
     assert done.returncode == 2
     assert said_by(done).startswith("tribocosim: mine.toml:3: components.first.parameters.mass = -1 kg")
-    monkeypatch.setattr("orchestrator.study.masters.run", Mock(side_effect=RunError("first: is worn out")))
-    silent = SilentReporter()
+    failing, silent = Mock(side_effect=RunError("first: is worn out")), SilentReporter()
+    monkeypatch.setattr("orchestrator.study.masters.run_part", failing)
     with pytest.raises(RunError, match="no master runs two-masses; newton: first: is worn out"):
         compare_masters(vary, [], tmp_path / "out", False, build_fmu, silent)
+
+
+def test_an_interruption_in_a_run_of_a_master_ends_the_command(tmp_path, monkeypatch):
+    began = Mock(side_effect=KeyboardInterrupt)
+    monkeypatch.setattr("orchestrator.run.simulation.Session.begin", began)
+    with pytest.raises(KeyboardInterrupt):
+        compare_masters(vary, [], tmp_path / "out", False, build_fmu, SilentReporter())
+    assert began.call_count == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_only_masters_that_the_fmus_can_take_are_ranked(monkeypatch):

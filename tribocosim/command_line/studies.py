@@ -162,6 +162,7 @@ def run_masters(
 ) -> None:
     """Run a scenario with every master that its FMUs can take: the error of each against its work."""
     check_study_packages()
+    from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario.files import read
     from orchestrator.scenario.system import build_system
     from orchestrator.study.masters import compare_masters
@@ -172,9 +173,10 @@ def run_masters(
     content = Scenario(*read(scenario, set_ or []))
     carry_out_apart(checked := content.check(), None)
     build_system(checked)  # a mistake in it would be each master's
-    found = compare_masters(
-        lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu,
-        build_reporter(as_json),
-    )  # fmt: skip
+    reporter = build_reporter(as_json)
+    with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
+        found = compare_masters(
+            lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu, reporter
+        )
     if as_json:
         print_json([asdict(one) for one in found])

@@ -21,7 +21,7 @@ from ...plots.style import save_figure
 from ...report.answer import Answer
 from ...reporter import Bar, Reporter, follow
 from ...run.interruption import tell_interruption
-from ...run.pipeline import run
+from ...run.pipeline import run_part
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder, build_system
 from ..speeds.finder import CycleFinder
@@ -258,7 +258,7 @@ def couple(out: Path, speed: float, build: Builder, reporter: Reporter) -> Itera
     """A coupled run of the written scenario at its own speed (rad/s) beside the cycle there, in words."""
     scenario = load(out / SCENARIO)
     with TemporaryFolder() as folder:
-        summary = run(scenario, folder / "coupled", build, reporter, figures=False)
+        summary = run_part(scenario, folder / "coupled", build, reporter)
     if not summary.complete:
         yield ("the coupled run of the designed cam failed: ", summary.message)
         return
