@@ -5,7 +5,7 @@ programs disturb less than wall time.
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,6 +19,7 @@ from fmus.native.fmu import build as build_native
 from fmus.native.machine_code import this_platform
 from models.core.quantities import Vector
 from models.core.system import Instance, System
+from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.masters import MASTERS, Master
 from orchestrator.participants.open_fmu import open_fmu
@@ -47,11 +48,8 @@ def list_files(system: System) -> dict[str, Files]:
     }
 
 
-class Clock:
-    """An observer that takes the processor time of the stepping, `elapsed` (s)."""
-
-    def begin(self, names: Sequence[str]) -> None:
-        pass
+class Clock(Observer):
+    """Takes the processor time of the stepping, `elapsed` (s)."""
 
     def observe(self, time_: float, outputs: Callable[[], Vector], step: Step) -> None:
         if step.length == 0.0:
