@@ -4,7 +4,7 @@ The survey of the coupling gives, for each method, the largest stable step and t
 Steps that follow their defect are predicted from the same errors: with steps H instead of equal steps h they
 are (H/h)^p times as large, p being the order of the signals. Where the equations are known the cheapest is
 tried in this process against the motion. After a hard landing errors depend on its instant, which nothing
-predicts: there steps that are made again where their error is too large are tried only.
+predicts: there steps that follow their error are tried only, and equal steps.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from ...stepping.controlled import AIM
 from ...stepping.forward import find_extrapolated
 from .analyse import survey_scenario
 from .behaviour import Behaviour
-from .survey import WITHIN, AssessedMethod, Scope, Survey
+from .survey import DOWN, WITHIN, AssessedMethod, Scope, Survey
 from .trajectory import solve_course
 from .trial import TOO_MANY, Outcome, Trial
 
@@ -64,9 +64,12 @@ SIGNALS = tuple(DEGREES)[1:]
 SHARE = 0.1
 # Predicted choices that are tried; the factor by which an error that cannot be measured counts as too large.
 TRIALS, LOST = 6, 8.0
-# Methods that make steps again, and tolerances of a step, the loosest first.
-AGAIN = ((GaussSeidel(extrapolation="hermite"), "step_doubling"),
-         (Iterated(extrapolation="hermite"), "predictor_corrector"))  # fmt: skip
+# Methods that are tried without a prediction, and tolerances of a step, the loosest first.
+CONTROLLED = (
+    (GaussSeidel(extrapolation="hermite"), DEFECT),
+    (GaussSeidel(extrapolation="hermite"), "step_doubling"),
+    (Iterated(extrapolation="hermite"), "predictor_corrector"),
+)
 # Tolerance of an iteration with equal steps, over the least that is allowed: its errors add up over the run.
 ITERATED = 0.01
 STEP_TOLERANCES = tuple(10.0 ** (-0.5 * k) for k in range(4, 15))
@@ -115,7 +118,7 @@ def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
 def find_choice(resolved: Resolved, reporter: Reporter) -> Choice:
     """What `auto` chooses; MistakeError, ModelError or RunError, which says why, if nothing can be chosen."""
     scenario = resolved.scenario
-    known, why = not list_foreign(scenario), "no master is stable and within the tolerance at any step tried"
+    known, why = not list_foreign(scenario), "no predicted choice keeps the tolerance in reasonable steps"
     iterated = Iterated(tolerance=ITERATED * min(scenario.tolerance.values(), default=1.0))
     scope = Scope((GaussSeidel(), iterated), SIGNALS, scenario.stop_time / LEAST, SHARE, refuse_impacts)
     try:
@@ -125,11 +128,11 @@ def find_choice(resolved: Resolved, reporter: Reporter) -> Choice:
     else:
         choices, tries = list(list_choices(found)), _Tries(resolved, found.motion)
         best = tries.choose_predicted(choices, TRIALS if known else 0)
-    if best is None and known and FmuLimits(scenario).controllable:
+    if best is None and known:
         with reporter.stage(CHOICE):
-            best = tries.choose_controlled(why)
+            best = tries.choose_tried(why)
     if best is None:
-        raise MistakeError(why)
+        raise MistakeError("no master is stable and within the tolerance at any step tried")
     return replace(best, tried=tries.taken)
 
 
@@ -149,39 +152,53 @@ class _Tries:
         columns = [names.index(name) for name in self._scenario.tolerance]
         self._trial = Trial(resolved, motion.times, motion.outputs[:, columns])
         self.taken = 0  # participant steps
+        # No more than in the shortest steps that are surveyed.
+        count = DOWN * self._scenario.stop_time / self._scenario.macro_step
+        self._most = count * len(self._scenario.components)
 
     def choose_predicted(self, choices: list[Choice], trials: int) -> Choice | None:
         """The cheapest that keeps the tolerance in a trial; after one that misses it, it is shortened.
 
-        Without trials the cheapest."""
+        Without trials the cheapest. None if it takes more steps than can be surveyed."""
         for _ in range(trials):
             best = min(choices, key=_rank, default=None)
-            if best is None or (made := self._run(best)).good:
+            if best is None or best.cost > self._most:
+                return None
+            if (made := self._run(best)).good:
                 return best
             choices[choices.index(best)] = best.shorten(made.error)
         return None if trials else min(choices, key=_rank, default=None)
 
-    def choose_controlled(self, why: str) -> Choice | None:
-        """The cheapest of the methods that make a step again where its error is too large."""
+    def choose_tried(self, why: str) -> Choice | None:
+        """The cheapest of what no prediction is needed for."""
         best: Choice | None = None
-        for master, estimator in AGAIN:
-            loosest, end = 0, len(STEP_TOLERANCES)
+        for ladder in self._list_ladders(why):
+            loosest, end = 0, len(ladder)
             while loosest < end:
-                middle, most = (loosest + end) // 2, best.cost if best else math.inf
-                relative = STEP_TOLERANCES[middle]
-                tried = Choice(master, self._scenario.macro_step, most, why, 4, relative, estimator)
-                made = self._run(tried)
+                middle = (loosest + end) // 2
+                made = self._run(ladder[middle], best.cost if best else self._most)
                 if made.good:
-                    best = replace(tried, cost=made.steps)
+                    best = replace(ladder[middle], cost=made.steps)
                 if made.good or made.note == TOO_MANY:
                     end = middle
                 else:
                     loosest = middle + 1
         return best
 
-    def _run(self, choice: Choice) -> Outcome:
+    def _list_ladders(self, why: str) -> Iterator[list[Choice]]:
+        """Choices, the loosest first: steps that follow their error; equal steps.
+
+        These end at instants of the motion: where it jumps, others can't be judged to a small tolerance."""
+        macro, stop = self._scenario.macro_step, self._scenario.stop_time
+        for master, estimator in CONTROLLED if FmuLimits(self._scenario).controllable else ():
+            step = stop / LEAST if estimator == DEFECT else macro
+            yield [Choice(master, step, math.inf, why, 4, one, estimator) for one in STEP_TOLERANCES]
+        longest = math.floor(math.log2(stop / macro / (2 * LEAST)))
+        steps = [macro * 2.0**power for power in range(longest, -2, -1)]
+        yield [Choice(GaussSeidel(extrapolation="hermite"), step, math.inf, why, 4) for step in steps]
+
+    def _run(self, choice: Choice, most: float = math.inf) -> Outcome:
         chosen = apply(self._scenario, choice)
-        most = choice.cost if choice.estimator not in (None, DEFECT) else math.inf
         made = self._trial.run("", chosen.build_master(), chosen.build_steps(), most)
         self.taken += made.steps
         return made
