@@ -47,6 +47,11 @@ def kernel(function: F) -> F:
     return compile_with(function, _OPTIONS)
 
 
+def inlined(function: F) -> F:
+    """As `kernel`, made part of each kernel that calls it: records of many arrays are costly to pass."""
+    return compile_with(function, {**_OPTIONS, "forceinline": True})
+
+
 def compile_with(function: F, options: dict[str, Any]) -> F:
     """As `kernel`, with these options of numba's."""
     if not COMPILED:

@@ -16,10 +16,9 @@ and oil turns back in the inlet. In a column the heat that shear makes is linear
 known of it; each way through them then costs what its right sides do.
 """
 
-import math
 from typing import Any, NamedTuple
 
-from ...compile.kernel import kernel
+from ...compile.kernel import inlined, kernel
 from .newton import FilmProblem
 from .reynolds import Nodes, cell
 from .shear import SOLID_LAYERS, Columns, Heat, HeatLaws, depth
@@ -58,7 +57,7 @@ def resistance(row: int, layers: int, film: float, laws: HeatLaws) -> float:
     return 0.5 * depth(row - SOLID_LAYERS - layers) / laws.conductivity_2
 
 
-@kernel
+@inlined
 def reach_of(X: Any, face: float, near: int, far: int) -> float:
     """How far beyond the near node the face is, in steps from the far one; 0 where there is none."""
     if far < 0 or far >= X.shape[0]:
@@ -85,7 +84,7 @@ class Faces(NamedTuple):
     passing: float
 
 
-@kernel
+@inlined
 def find_faces(i: int, width: float, per_time: float, old: Any, X: Any, nodes: Any) -> Faces:
     """Those of node i, whose volume is so wide (m)."""
     left, right = 0.5 * (X[i - 1] + X[i]), 0.5 * (X[i] + X[i + 1])
@@ -99,7 +98,7 @@ def find_faces(i: int, width: float, per_time: float, old: Any, X: Any, nodes: A
     )  # fmt: skip
 
 
-@kernel
+@inlined
 def carry(left: float, right: float, at: Faces, come: Any) -> float:
     """What flows through both faces (m2/s, ascending x) bring from the nodes beside and from those beyond,
     from the left to the right; their sum.
@@ -129,7 +128,7 @@ def fill_constants(layers: int, laws: HeatLaws, c: Columns) -> None:
                 c.linked[r] = 1.0 / (own + resistance(r + step, layers, 0.0, laws))
 
 
-@kernel
+@inlined
 def fill_body(i: int, body: int, kept: float, width: float, c: Columns) -> None:
     """The rows of one body at node i from its depth to below its surface, divided, and `bare` of its surface;
     `kept` (m2/s): width of the volume before, and what comes, over the time."""
@@ -146,7 +145,7 @@ def fill_body(i: int, body: int, kept: float, width: float, c: Columns) -> None:
     c.bare[body, i] = held[r] * kept + before * (1.0 - share)
 
 
-@kernel
+@inlined
 def fill_layers(
     i: int, held: float, grown: float, share: float, inner: float, width: float, at: Faces, laws: HeatLaws,
     h: float, heat: Heat,
@@ -170,6 +169,7 @@ def fill_layers(
     upper[end] = -other * inverse[end]
     # What a row keeps of the one before, and the elements below and above the diagonal.
     below, above, diagonal = -link, 0.0, 0.0
+    own, passed_on = inverse[first - 1], upper[first - 1]
     for k in range(layers):
         r = first + k
         q_left = share * (at.q_left + at.m_left * 0.5 * (v_left[k] + v[k]))
@@ -185,25 +185,30 @@ def fill_layers(
             diagonal += other + other * upper[end]
         diagonal += across - 0.5 * crossing
         above = -across + 0.5 * crossing
-        lower[r] = below * inverse[r - 1]
-        inverse[r] = 1.0 / (diagonal - below * upper[r - 1])
-        upper[r] = above * inverse[r]
+        lower[r] = below * own
+        own = 1.0 / (diagonal - below * passed_on)
+        passed_on = above * own
+        inverse[r], upper[r] = own, passed_on
         below = -across - 0.5 * crossing
     upper[end - 1] = upper[end]
 
 
-@kernel
+@inlined
 def divide_film(lower: Any, inverse: Any, upper: Any, right: Any) -> None:
     """Right sides of the film's rows, from which the bodies are eliminated, become temperatures."""
     first, last = SOLID_LAYERS, right.shape[0] - SOLID_LAYERS - 1
+    known = right[first]
     for r in range(first + 1, last + 1):
-        right[r] -= lower[r] * right[r - 1]
-    right[last] *= inverse[last]
+        known = right[r] - lower[r] * known
+        right[r] = known
+    known *= inverse[last]
+    right[last] = known
     for r in range(last - 1, first - 1, -1):
-        right[r] = right[r] * inverse[r] - upper[r] * right[r + 1]
+        known = right[r] * inverse[r] - upper[r] * known
+        right[r] = known
 
 
-@kernel
+@inlined
 def heat_layers(
     i: int, temperature: float, volume: float, pressed: float, gradient: float, passing: float, heat: Heat
 ) -> None:
@@ -212,15 +217,16 @@ def heat_layers(
     c, first, T = heat.columns, SOLID_LAYERS, heat.rise[i]
     softening, heating, growth = heat.softening[i], heat.heating[i], heat.growth[i]
     source, answer, speed, fall = c.source[i], c.answer[i], heat.speed[i], 0.0
+    response = heat.response[i]
     for k in range(softening.shape[0]):
-        c.origin[i, k] = T[first + k]
         fall += softening[k] * T[first + k]
     for k in range(softening.shape[0]):
+        at, own = T[first + k], heating[k]
         hot = volume * (pressed + (passing + speed[k]) * gradient)
+        c.origin[i, k] = at
         c.diagonal[k] = -growth[k] - hot
-        answer[first + k] = heat.response[i] * heating[k]
-        source[first + k] += heating[k] - growth[k] * T[first + k] + answer[first + k] * fall
-        source[first + k] += temperature * hot
+        answer[first + k] = response * own
+        source[first + k] += own + response * own * fall - growth[k] * at + temperature * hot
 
 
 @kernel
@@ -239,7 +245,7 @@ def build_bodies(problem: FilmProblem, laws: HeatLaws, X: Any, nodes: Nodes, hea
             fill_body(i, body, kept + came, width, heat.columns)
 
 
-@kernel
+@inlined
 def pressed(i: int, heat: Heat) -> float:
     """The share of a node's answer to its stress that a pressure makes there (1/Pa)."""
     return float(heat.pressing[i] / heat.response[i] * heat.columns.softer[i])
@@ -318,14 +324,12 @@ def build_columns(
 
 
 @kernel
-def warm(heat: Heat, step: int) -> float:
-    """Temperatures by the columns, along the film (step = 1) or back (-1); the largest change over the
-    highest rise. nan where a temperature is not finite."""
+def warm(heat: Heat, step: int) -> None:
+    """Temperatures by the columns, along the film (step = 1) or back (-1)."""
     c, rise, right = heat.columns, heat.rise, heat.columns.right
     n, rows = rise.shape
     layers = rows - 2 * SOLID_LAYERS
     first, last = SOLID_LAYERS, rows - SOLID_LAYERS - 1
-    largest, highest, total = 0.0, COOL, 0.0
     for count in range(1, n - 1):
         i = count if step > 0 else n - 1 - count
         T, T_left, T_right = rise[i], rise[i - 1], rise[i + 1]
@@ -343,29 +347,27 @@ def warm(heat: Heat, step: int) -> float:
             r, come = first + k, c.come[i, 2 + k]
             right[r] = source[r] + come[0] * T_far_left[r] + come[1] * T_left[r]
             right[r] += come[2] * T_right[r] + come[3] * T_far_right[r]
+        one, other = right[0], right[rows - 1]
         for j in range(1, SOLID_LAYERS):
             r = rows - 1 - j
-            right[j] -= lower[j] * right[j - 1]
-            right[r] -= lower[r] * right[r + 1]
-        right[first] -= lower[first] * right[first - 1]
-        right[last] -= upper[last] * right[last + 1]
+            one = right[j] - lower[j] * one
+            other = right[r] - lower[r] * other
+            right[j], right[r] = one, other
+        right[first] -= lower[first] * one
+        right[last] -= upper[last] * other
         divide_film(lower, inverse, upper, right)
         plain = 0.0
         for k in range(layers):
             plain += softening[k] * right[first + k]
         plain *= c.softer[i]
         for k in range(layers):
-            right[first + k] -= answer[first + k] * plain
+            T[first + k] = right[first + k] - answer[first + k] * plain
+        one, other = T[first], T[last]
         for j in range(SOLID_LAYERS - 1, -1, -1):
             r = rows - 1 - j
-            right[j] = right[j] * inverse[j] - upper[j] * right[j + 1]
-            right[r] = right[r] * inverse[r] - upper[r] * right[r - 1]
-        for r in range(rows):
-            change = right[r] - T[r]
-            largest, highest = max(largest, abs(change)), max(highest, abs(right[r]))
-            total += change
-            T[r] = right[r]
-    return largest / highest if math.isfinite(total) else math.nan
+            one = right[j] * inverse[j] - upper[j] * one
+            other = right[r] * inverse[r] - upper[r] * other
+            T[j], T[r] = one, other
 
 
 @kernel

@@ -18,7 +18,7 @@ from .heat import COOL, build_bodies, build_columns, settle_heat, store, warm
 from .mixed import Bodies
 from .newton import TOLERANCE, FilmProblem, FilmSolution, newton
 from .reynolds import Flow, cell
-from .shear import SOLID_LAYERS, Heat, HeatLaws, shear_film, thin_film
+from .shear import SOLID_LAYERS, Heat, HeatLaws, flow_film, shear_film, thin_film
 from .workspace import Workspace
 
 # The heat alone settles to this share of the highest rise.
@@ -55,12 +55,12 @@ def warm_asperities(
 
 @kernel
 def find_change(heat: Heat) -> float:
-    """The largest change from the guess, which takes the guess's place, over the highest rise."""
-    largest, highest = 0.0, COOL
+    """The largest change from the guess over the highest rise; nan where a temperature is not finite."""
+    largest, highest, total = 0.0, COOL, 0.0
     for i in range(heat.flat.shape[0]):
-        heat.guess[i] = heat.flat[i] - heat.guess[i]
-        largest, highest = max(largest, abs(heat.guess[i])), max(highest, abs(heat.flat[i]))
-    return largest / highest
+        largest, highest = max(largest, abs(heat.flat[i] - heat.guess[i])), max(highest, abs(heat.flat[i]))
+        total += heat.flat[i]
+    return largest / highest if math.isfinite(total) else math.nan
 
 
 @kernel
@@ -72,11 +72,19 @@ def is_settled(changed: float, before: float, settled: float) -> bool:
 
 
 @kernel
+def warm_through(heat: Heat) -> float:
+    """`warm` forth and back; the largest change over the highest rise, nan where that is not finite."""
+    copy(heat.guess, heat.flat)
+    warm(heat, 1)
+    warm(heat, -1)
+    return find_change(heat)
+
+
+@kernel
 def close(heat: Heat) -> bool:
-    """`warm` forth and back until what is left, the order in which columns are solved, closes the balance of
-    heat."""
+    """`warm` until what is left, the order in which columns are solved, closes the balance of heat."""
     for _ in range(MOST_TURNS):
-        if max(warm(heat, 1), warm(heat, -1)) <= CLOSED:
+        if warm_through(heat) <= CLOSED:
             settle_heat(heat)
             return True
     return False
@@ -94,9 +102,8 @@ def solve_film(
     iterations, finite, before = 0, True, math.inf
     build_bodies(problem, laws, w.X, w.nodes, heat)
     for _ in range(MOST_TURNS):
-        copy(heat.guess, heat.flat)
         thin_film(fluid, laws, heat, w.nodes)
-        shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
+        flow_film(w.X, problem.scale, p, h, sliding, fluid, heat, w.nodes)
         near = NEAR * max(min(before, FIRST), laws.settled)
         found = newton(p, h, approach, problem, bodies, fluid, old, w, near)
         approach, iterations = found.approach, iterations + found.iterations
@@ -105,9 +112,9 @@ def solve_film(
         warm_asperities(h, problem.scale, sliding, bodies, laws, w)
         shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
         build_columns(p, h, problem, old, laws, w.X, w.nodes, heat)
-        if not math.isfinite(warm(heat, 1) + warm(heat, -1)):
+        changed = warm_through(heat)
+        if not math.isfinite(changed):
             break
-        changed = find_change(heat)
         if is_settled(changed, before, laws.settled):
             if close(heat):
                 return FilmSolution(approach, 0.0, iterations)
@@ -133,7 +140,7 @@ def begin_heat(
         copy_rows(w.heat.start, w.heat.rise)
         w.nodes.drift_p[:], w.nodes.drift_left[:], w.nodes.drift_right[:] = 0.0, 0.0, 0.0
         thin_film(fluid, laws, w.heat, w.nodes)
-        shear_film(w.X, scale, p, h, drive.sliding, fluid, laws, w.heat, w.nodes)
+        flow_film(w.X, scale, p, h, drive.sliding, fluid, w.heat, w.nodes)
 
 
 @kernel

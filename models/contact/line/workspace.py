@@ -20,7 +20,7 @@ _VECTORS = 21
 # Of Mixed.
 _MIXED = 8
 # Of Heat: over rows, over layers and over nodes; and over rows of one column.
-_ROWS, _LAYERS, _STRESSES, _COLUMNS = 11, 7, 12, 4
+_ROWS, _LAYERS, _STRESSES, _COLUMNS = 11, 7, 11, 4
 # Nodes from which heat comes to one.
 _BESIDE = 4
 # Says that grid and matrix are filled; so much more for every layer.
@@ -114,7 +114,7 @@ def heat_in(work: Any, n: int, layers: int) -> Heat:
     columns = Columns(t[5], t[6], t[7], t[8], t[9], come, s[9:11], v[4], s[8], one[0], one[1], one[2], one[3])
     return Heat(
         work[:size], work[10 * size : 11 * size], work[4 * size : 5 * size], t[0], t[1], t[2], t[3],
-        v[0], v[1], v[2], v[3], v[5], v[6], s[0], s[1], s[2], s[3], s[4], s[5], s[11], s[6], s[7], columns,
+        v[0], v[1], v[2], v[3], v[5], v[6], s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], columns,
     )  # fmt: skip
 
 
