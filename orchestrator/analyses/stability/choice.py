@@ -66,9 +66,9 @@ SHARE = 0.1
 TRIALS, LOST = 6, 8.0
 # Methods that are tried without a prediction, and tolerances of a step, the loosest first.
 CONTROLLED = (
-    (GaussSeidel(extrapolation="hermite"), DEFECT),
     (GaussSeidel(extrapolation="hermite"), "step_doubling"),
     (Iterated(extrapolation="hermite"), "predictor_corrector"),
+    (GaussSeidel(extrapolation="hermite"), DEFECT),
 )
 # Tolerance of an iteration with equal steps, over the least that is allowed: its errors add up over the run.
 ITERATED = 0.01
