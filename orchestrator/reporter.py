@@ -14,7 +14,7 @@ from typing import Protocol
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
@@ -41,11 +41,13 @@ COMPILES = "compiling what these components need (once on this machine; up to mi
 SHOWN_EVERY_S = 0.1
 # Without a terminal a line says at least so often how far a long stage is.
 TOLD_EVERY_S = 20.0
+# From this share and time (s) on, what is done of a stage tells how long the rest takes.
+LEAST_SHARE, LEAST_TIME_S = 0.1, 5.0
 
 
 def estimate_left(share: float, seconds: float) -> str:
     """How long a task still takes of which a share was done in so many seconds; "" if that is not known."""
-    if not 0.0 < share < 1.0:
+    if not LEAST_SHARE <= share < 1.0 or seconds < LEAST_TIME_S:
         return ""
     left = seconds * (1.0 / share - 1.0)
     return f", about {left:.0f} s left" if left < 100.0 else f", about {left / 60.0:.0f} min left"
@@ -169,16 +171,22 @@ class Reporter:
         return nullcontext()
 
     @contextmanager
-    def stage(self, text: str, stop_time: float = 1.0) -> Iterator[Bar]:
-        """A stage of the command with its bar; without a terminal lines, at its start and while it lasts."""
+    def stage(
+        self, text: str, stop_time: float = 1.0, estimate: Callable[[float, float], str] = estimate_left
+    ) -> Iterator[Bar]:
+        """A stage of the command with its bar; without a terminal lines, at its start and while it lasts.
+
+        `estimate` puts the time left into words, by the share that is done and the seconds without
+        compilations.
+        """
         live, self._stage = self.console.is_terminal, text
-        times = TimeElapsedColumn(), TextColumn("passed,"), TimeRemainingColumn(), TextColumn("left")
-        columns = TextColumn("{task.description}"), BarColumn(), *times
+        left = TextColumn("{task.fields[left]}")
+        columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), left
         progress = Progress(*columns, console=self.console, transient=True, disable=not live)
         if not live:
             self.line(text)
         with progress, timed(self.times, text), announce_compilation(self._compiling, self._compiled):
-            task = progress.add_task(text, total=1.0)
+            task = progress.add_task(text, total=1.0, left="")
             told = clock.monotonic()
             begun: tuple[float, float] | None = None  # the share that a part begins with, and when
 
@@ -187,14 +195,15 @@ class Reporter:
                 look()
                 self._progress(f"{text}{words}", share)
                 now = clock.monotonic()
+                worked = now - self.times.get(COMPILING, 0.0)
                 if begun is None or share < begun[0]:  # a run goes on, or a stage has another part
-                    begun = share, now
+                    begun = share, worked
                     progress.reset(task)
-                progress.update(task, completed=share, description=f"{text}{words}")
+                before, then = begun
+                left = estimate((share - before) / (1.0 - before), worked - then) if share < 1.0 else ""
+                progress.update(task, completed=share, description=f"{text}{words}", left=left)
                 if not live and now - told > TOLD_EVERY_S and share < 1.0:
                     told = now
-                    before, then = begun
-                    left = estimate_left((share - before) / (1.0 - before), now - then)
                     self.line(f"{text}: {100.0 * share:.0f} % done{words}{left}")
 
             look()

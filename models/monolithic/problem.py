@@ -72,6 +72,12 @@ def find_jacobian(rate: Callable[[Vector], Vector], x: Vector, sizes: Vector) ->
     return np.column_stack(columns) if columns else np.zeros((0, 0))
 
 
+def find_central_jacobian(rate: Callable[[Vector], Vector], x: Vector, sizes: Vector) -> Vector:
+    """The same by differences to both sides, whose errors of first order cancel."""
+    mirrored = find_jacobian(lambda moved: rate(2.0 * x - moved), x, sizes)
+    return 0.5 * (find_jacobian(rate, x, sizes) - mirrored)
+
+
 def check_ode(system: System) -> None:
     """ModelError if a component's motion is not that of its derivative (`Component.ode`)."""
     for name, instance in system.instances.items():

@@ -5,14 +5,17 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from models.core import roles
 from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
 from ..errors import Command, MistakeError, Option, one_of
+from ..scenario import Scenario
 from ..scenario.cam_files import is_contour
 from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
+from ..scenario.system import list_parameters
 from ..scenario.values import to_value
 from ..texts import to_path
 from ._cam_profile import FIELDS, list_lift_parameters, read_base_radius
@@ -111,7 +114,8 @@ def _read_wires(source: str) -> dict[str, dict[str, Any]]:
 
 
 def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
-    cams = {name: table for name, table in load(source).components.items() if _list_values(table)}
+    scenario = load(source)
+    cams = {name: table for name, table in scenario.components.items() if _list_values(table)}
     if not cams:
         raise MistakeError(f"{source}: no component has a cam; give a lift table, or another scenario")
     name = _choose(source, component, cams, "cams")
@@ -119,12 +123,22 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
     follower = name_follower(values)
     wanted = {*list_lift_parameters(), *FIELDS[follower]}
     found = {key: value for key, value in values.items() if key in wanted} | {"follower": follower}
+    found |= _find_speed(scenario)
     if "law" in values:
         return found
     lift_table = read_contents(find(source))["components"][name].get("lift_table")
     if lift_table is None:
         raise MistakeError(f"{name}: has a cam through points; give the file of its lift table instead")
     return {"lift_table": lift_table, **found}
+
+
+def _find_speed(scenario: Scenario) -> dict[str, Any]:
+    """Of the cam (rad/s): the larger one of the drive by the shaft's ratio; none without a drive."""
+    values = list_parameters(scenario)
+    drives = (n for n, table in scenario.components.items() if table.resolve().has_role(roles.Drive))
+    speeds = [values[f"{name}.{end}"] for name in drives for end in ("initial_speed", "final_speed")]
+    ratio = min((value for name, value in values.items() if name.endswith(".drive_ratio")), default=1.0)
+    return {"speed": ratio * max(speeds)} if max(speeds, default=0.0) > 0.0 else {}
 
 
 def _list_values(table: ComponentTable) -> dict[str, Any]:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import errno
 import math
-import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +17,7 @@ from ..errors import REPLACE, MistakeError, Option, another
 from ..reporter import Reporter
 from ..scenario.units import to_unit
 from ..scenario.values import Value
-from ..store.output_folder import OutputFolderError, refuse_file, writing
+from ..store.output_folder import OutputFolderError, make_folder, refuse_file, remove_empty
 from ..texts import parse_value
 from . import Analysis, Result, list_analyses, load
 
@@ -109,17 +107,11 @@ def find_results(folder: Path, name: str, overwrite: bool, *others: str) -> list
 @contextmanager
 def create_folder(folder: Path) -> Iterator[None]:
     """Create the folder if it is missing; after an error, remove it if it is new and empty."""
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
-    with writing(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        if not os.access(folder, os.W_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    missing = make_folder(folder)
     try:
         yield
     except BaseException:
-        with suppress(OSError):
-            for path in missing:
-                path.rmdir()
+        remove_empty(missing)
         raise
 
 

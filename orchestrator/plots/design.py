@@ -38,7 +38,7 @@ def draw_design(table: xarray.Dataset) -> Figure:
     _plot(axes[0, 1], degrees, table["curvature"].values, "Curvature of the cam (1/m)", curved)
     worst: dict[str, float] = json.loads(table.attrs["worst"])
     right: Sequence[tuple[str, float, str, list[float]]] = (
-        ("load", 1.0, f"Load of {contact} (N)", []),
+        ("load", 1.0, f"Load of {contact} (N)", [sizes["least_load"]] if "least_load" in sizes else []),
         (
             "maximum_pressure", 1e-6, "Hertz pressure (MPa)",
             [1e-6 * sizes[f"{contact}.maximum_pressure"]] if f"{contact}.maximum_pressure" in sizes else [],

@@ -8,8 +8,9 @@ import difflib
 import os
 import shutil
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from errno import EACCES
 from pathlib import Path
 
 import locket
@@ -113,9 +114,32 @@ def refuse_file(out: Path) -> None:
             raise OutputFolderError(f"{format_path(folder)}: is a file", another())
 
 
+def make_folder(out: Path) -> list[Path]:
+    """The folders made for `out`, the innermost first; OutputFolderError if it cannot be written."""
+    missing = [path for path in (out, *out.parents) if not path.exists()]
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except FileNotFoundError:  # as Linux says of a folder of its own, such as /proc
+        around = format_path(missing[-1].parent)
+        raise OutputFolderError(f"{format_path(out)}: no folder can be made in {around}", another()) from None
+    except OSError as error:
+        raise refuse_unwritable(format_path(out), error) from None
+    if not os.access(out, os.W_OK):
+        raise refuse_unwritable(format_path(out), PermissionError(EACCES, os.strerror(EACCES)))
+    return missing
+
+
+def remove_empty(folders: Iterable[Path]) -> None:
+    """Up to the first one that is not."""
+    with suppress(OSError):
+        for path in folders:
+            path.rmdir()
+
+
 def check_folder(out: Path, overwrite: bool) -> None:
     """Raise OutputFolderError unless a run can write into `out`."""
     refuse_file(out)
+    remove_empty(make_folder(out))
     if overwrite:
         return
     if find_run_state(out).exists() and (out / SCENARIO).exists():

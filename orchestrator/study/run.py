@@ -64,8 +64,9 @@ def run(
         def describe() -> str:
             store.flush()  # the last one may have been interrupted
             left = store.count(PENDING)
-            kept = f"{tally(len(plan.points) - left, 'point')} kept in {out}, {left} left"
-            return f"{kept}: the same command continues"
+            done = f"{tally(len(plan.points) - left, 'point')} kept in {out}, {left} left"
+            none = f"no point is finished, only compiled code is kept, {left} left"
+            return f"{done if left < len(plan.points) else none}: the same command continues"
 
         with tell_interruption(describe):
             with reporter.stage(plan.study.name) as bar:

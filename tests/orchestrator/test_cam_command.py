@@ -108,6 +108,8 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
     assert load("cam").complete(roller)["cam_arm"] == roller["cam_arm"]
     one = find_settings("engine-16v", "tappet_intake_2a")
     assert one["law"] in load("cam").parameters["law"].quantity.choices
+    crank = load_scenario("engine-16v").components["flywheel"].parameters["initial_speed"]
+    assert one["speed"] == pytest.approx(0.5 * crank)
     assert find_settings("valve-train")["follower"] == "flat"
 
 
@@ -322,9 +324,8 @@ def test_no_digit_that_a_lift_table_denies_is_printed(tmp_path):
     data = json.loads(done.stdout)
     shown = {words[0]: words[1:] for line in done.stderr.splitlines() if (words := line.split())}
     error = data["curvature_uncertainty"]
-    for name, least in (
-        ("largest_acceleration", error * (1000.0 * math.pi / 30.0) ** 2), ("least_radius", 1e3 * error),
-    ):  # fmt: skip
+    square = find_settings("my-cam")["speed"] ** 2
+    for name, least in (("largest_acceleration", error * square), ("least_radius", 1e3 * error)):
         printed, exact = float(shown[name][0]), data[name] * (1e3 if "radius" in name else 1.0)
         assert printed == pytest.approx(exact, abs=least)
         assert printed != pytest.approx(exact, abs=1e-3 * least)

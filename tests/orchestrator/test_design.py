@@ -295,7 +295,8 @@ class Parting(Search):
         return Found(x, 1.0 + 1e-3 * float(x[0]), {}, 1.0)
 
     def model(self, *others: Any) -> Any:
-        return SimpleNamespace(lines=[], objective=SimpleNamespace(gradient=np.zeros(1)))
+        objective, none = SimpleNamespace(gradient=np.zeros(1)), SimpleNamespace(limits=[])
+        return SimpleNamespace(lines=[], objective=objective, evaluate=lambda x: none)
 
     def solve(self, model: Any, start: Vector, box: float, starts: int) -> Any:
         return SimpleNamespace(unknowns=start + box, active=[])
@@ -345,6 +346,8 @@ def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) ->
 
     found = find_wanted(asked, train, Cycles(), None)  # type: ignore[arg-type]
     assert found.least_load == pytest.approx(300.0 - 2e4 * lift.max())
+    # Down to idle, where the nose is pressed most, unless the brief has speeds.
+    assert np.multiply(found.speeds, 30.0 / math.pi) == pytest.approx([300.0, 1500.0])
 
 
 def test_the_search_gains_what_its_linear_programme_promised(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -373,6 +376,10 @@ def test_the_search_gains_what_its_linear_programme_promised(monkeypatch: pytest
     so_far = tabulate_best(search, Check(None, {speed: search.to_motion(seen[speed].cycle)}), *best[-1])
     assert (so_far.sizes["cam"], so_far.attrs["area"]) == (2, improved.found.area)  # of an interrupted search
     assert not improved.found.beyond
+    pressure = search.look(improved.found.unknowns)[speed].cycle["contact.maximum_pressure"].max()
+    held = {one.name: one.spare for one, _ in improved.active}
+    name = "pressure in contact at 2500 r/min"
+    assert held.get(name, 1.0 - pressure / 5e8) == pytest.approx(1.0 - pressure / 5e8, abs=0.02)
     assert improved.found.area > float(lobe.bumps.areas @ x) / own + promised
 
 

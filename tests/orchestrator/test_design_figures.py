@@ -34,9 +34,10 @@ from orchestrator.study.design.limits import (
     kinematic_limits,
 )
 from orchestrator.study.design.lobe import Lobe
-from orchestrator.study.design.run import find_own_limits
+from orchestrator.study.design.report import describe_active
+from orchestrator.study.design.run import describe_excess, find_own_limits
 from orchestrator.study.design.search import Search, Seen
-from orchestrator.study.design.slp import Line, Problem, maximise
+from orchestrator.study.design.slp import Active, Line, Problem, maximise
 from orchestrator.study.design.train import open_train
 from orchestrator.study.design.wanted import Found as Design
 from orchestrator.study.design.wanted import Wanted
@@ -313,6 +314,16 @@ def test_files_of_the_trade_hold_the_design(tmp_path: Path) -> None:
     apart = {one.partition(" ")[0]: float(one.partition("within ")[2].split()[0]) for one in said[1:]}
     assert set(apart) == {"cam.s96", "cam.mm.csv", "cam.in.csv", "cam.contour.csv"}
     assert max(apart.values()) < 0.05
+
+
+def test_a_limit_that_is_not_reached_has_its_margin_and_one_that_a_run_breaks_is_named() -> None:
+    reached = Active("pressure", 0, 0.0, 0.004)
+    assert describe_active(reached, math.nan, Objective()) == "pressure limits"
+    assert describe_active(reached._replace(spare=0.09), math.nan, Objective()) == (
+        "pressure is not reached, 9 % to spare, and limits next"
+    )
+    assert describe_excess(6e8, 5.5e8) == ": exceeds the limit of 550.0 MPa by 9.1 %"
+    assert (describe_excess(5e8, 5.5e8), describe_excess(5e8, math.inf)) == (", limit 550.0 MPa", "")
 
 
 @pytest.mark.long

@@ -13,6 +13,7 @@ MISTAKES = {
     "run .": "is a folder; give the path of a .toml file, or a shipped scenario: tribocosim scenarios lists",
     "run valve-train --master jacob --out OUT": "did you mean jacobi?",
     "run valve-train --out pyproject.toml": "is a file",
+    "run valve-train --out /proc/none": "/proc/none: no folder can be made in /proc; choose another --out",
     "speeds valve-train --count 2 --out pyproject.toml/x": "pyproject.toml: is a file",
     "resume none": FOLDER,
     "report none": FOLDER,

@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 import orchestrator.reporter
-from orchestrator.reporter import Reporter, follow, show_share
+from orchestrator.reporter import COMPILING, Reporter, follow, show_share
 
 
 @pytest.fixture
@@ -31,16 +31,19 @@ def test_the_innermost_stage_shows_the_share_from_anywhere(told):
 
 
 def test_a_terminal_has_a_bar_and_a_log_has_lines_with_the_time_left(monkeypatch):
-    """A part whose share begins anew is judged by itself."""
+    """A part whose share begins anew is judged by itself, and by its time without compilations; a small share
+    foretells nothing."""
     now = iter(range(0, 1000, 30))
     monkeypatch.setattr(orchestrator.reporter.clock, "monotonic", lambda: float(next(now)))
     file = io.StringIO()
-    with Reporter(Console(file=file, width=110)).stage("cycles"):
-        for share in (0.2, 0.6, 0.1, 0.4):
+    reporter = Reporter(Console(file=file, width=110))
+    with reporter.stage("cycles"):
+        for share in (0.2, 0.6, 0.1, 0.4, 0.05, 0.1):
             show_share(share)
+            reporter.times[COMPILING] += 10.0
     assert file.getvalue().splitlines() == [
-        "cycles", "cycles: 20 % done", "cycles: 60 % done, about 30 s left", "cycles: 10 % done",
-        "cycles: 40 % done, about 60 s left",
+        "cycles", "cycles: 20 % done", "cycles: 60 % done, about 20 s left", "cycles: 10 % done",
+        "cycles: 40 % done, about 40 s left", "cycles: 5 % done", "cycles: 10 % done",
     ]  # fmt: skip
     terminal = io.StringIO()
     with Reporter(Console(file=terminal, width=110, force_terminal=True)).stage("cycles"):

@@ -13,6 +13,7 @@ from matplotlib.patches import Rectangle
 
 import tribocosim
 from models.catalogue import CATALOGUE
+from models.core.system import ModelError
 from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
@@ -156,7 +157,7 @@ def test_it_tells_the_speed_of_separation(swept):
 
 
 @pytest.mark.parametrize(
-    ("options", "place"), [((), "at 2200"), (("--lost",), "at 3400"), (("--at", "1100 rpm"), "at 1000")]
+    ("options", "place"), [((), "at 2200"), (("--lost",), "at 3400"), (("--at", "1100 rpm"), "")]
 )
 def test_two_sweeps_are_compared(options, place, swept, tmp_path):
     """With itself: all numbers twice. At 3400 r/min contact is lost."""
@@ -166,6 +167,7 @@ def test_two_sweeps_are_compared(options, place, swept, tmp_path):
     (line,) = (line for line in done.stdout.splitlines() if "contact.largest_load" in line)
     cells = [cell.strip() for cell in line.split("│")]
     assert cells[3].endswith(place)
+    assert ("at" in cells[3]) == bool(place)  # the speed that is asked for stands above the table
     assert done.stdout.count("contact is lost from") >= 1
     assert (tmp_path / "both.png").stat().st_size > 10_000
 
@@ -337,8 +339,16 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkey
         else:
             assert limit <= found.speed <= limit + 0.11
             assert limit + 100.0 <= found.nose_speed <= limit + 100.11
-    text = find_second(subject, speeds, Separation(3241.7, None, ""), "dowson_toyoda", SilentReporter()).text
-    assert text == "with film_model = dowson_toyoda contact is lost from 3306.1 r/min (+2.0 %)"
+    usual = subject, speeds, Separation(3241.7, None, ""), "dowson_toyoda", SilentReporter()
+    assert find_second(*usual).text == (
+        "with film_model = dowson_toyoda contact is lost from 3306.1 r/min (+2.0 %)"
+    )
+
+    def fail(subject, speed):
+        raise ModelError("no rest", "correct the parameters")
+
+    monkeypatch.setattr(SpeedSubject, "find_cycle_at", fail)
+    assert find_second(*usual).text.endswith("was found: no rest; choose another --second-film")
 
 
 @pytest.mark.long

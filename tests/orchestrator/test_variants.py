@@ -18,9 +18,9 @@ from orchestrator.plots.speeds import PANELS, draw_variants
 from orchestrator.reporter import Reporter
 from orchestrator.scenario.display import format_number
 from orchestrator.study import run_overlay
-from orchestrator.study.speeds.compare import Choice, select_speeds
+from orchestrator.study.speeds.compare import VARIANTS, Choice, label, select_speeds
 from orchestrator.study.speeds.sweep import Swept, select_columns
-from orchestrator.study.speeds.variants import TABLE, Variant, list_variants, sweep_variants, tabulate
+from orchestrator.study.speeds.variants import Variant, list_variants, sweep_variants, tabulate
 from tribocosim.reporting import SilentReporter
 
 from .commands import called
@@ -78,7 +78,8 @@ def test_every_design_has_its_whole_name_in_a_narrow_table(tmp_path):
 
 
 def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path):
-    """Also where a library made something else of Ctrl-C; designs that are complete have their table."""
+    """Also where a library made something else of Ctrl-C; designs that are complete have their table, whose
+    names `compare` takes."""
     begun = []
 
     def sweep(tables, folder):
@@ -88,11 +89,12 @@ def test_an_interrupted_sweep_leaves_out_the_designs_that_follow(tmp_path):
                 signal.raise_signal(signal.SIGINT)
         return make_swept(400.0, 1e9)
 
-    designs = {Variant(label, ()): {} for label in "abc"}
+    designs = {Variant(name, ()): {} for name in ("1 N/mm", "b", "c")}
     with pytest.raises(KeyboardInterrupt):
         sweep_variants(designs, tmp_path, SilentReporter(), sweep)
-    assert begun == ["a", "b"]
-    assert len((tmp_path / TABLE).read_text("utf-8").splitlines()) == 1 + 2
+    assert begun == ["1 N_mm", "b"]
+    assert label(tmp_path / "1 N_mm", tmp_path / "b") == ("1 N/mm", "b")
+    assert len((tmp_path / VARIANTS).read_text("utf-8").splitlines()) == 1 + 2
 
 
 def test_lists_and_tables_are_values_and_equal_names_have_paths():
@@ -187,9 +189,13 @@ def test_two_runs_lie_over_each_other_with_their_names(tmp_path, monkeypatch):
     assert [float(cell.split()[0]) for cell in row.split("│")[3:5]] == pytest.approx(
         [one.coupled["contact.load"].max(), other.coupled["contact.load"].max()], rel=1e-3
     )
-    again = called("compare", *folders[::-1], "--out", str(tmp_path / "both"))
-    assert "both.png: replaced a different file of this name" in again.stderr
-    assert (tmp_path / "both.png").stat().st_size > 10_000
+    drawn = (tmp_path / "both.png").read_bytes()
+    held = called("compare", *folders[::-1], "--out", str(tmp_path / "both"))
+    assert held.returncode == 2
+    assert "both.png: is already there" in held.stderr
+    assert (tmp_path / "both.png").read_bytes() == drawn
+    assert called("compare", *folders[::-1], "--out", str(tmp_path / "both"), "--overwrite").returncode == 0
+    assert (tmp_path / "both.png").read_bytes() != drawn
     refused = called("compare", *folders, "--out", str(tmp_path / "both.txt"))
     assert refused.returncode == 2
     assert "must be a PNG file" in refused.stderr

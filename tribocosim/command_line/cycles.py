@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 import typer
 
-from ..messages import tell_replaced
 from ..packages import check_study_packages
 from .completion import ScenarioName
 from .error_report import report_errors
@@ -92,6 +91,7 @@ def compare_sweeps(  # options of a command
     lost: Annotated[
         bool, typer.Option("--lost", help="Include speeds at which one of them loses contact.")
     ] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing figure.")] = False,
     as_json: Json = False,
 ) -> None:
     """Compare two designs over speed, or two runs, in numbers and a figure.
@@ -101,7 +101,7 @@ def compare_sweeps(  # options of a command
     over the angle.
     """
     check_study_packages()
-    from orchestrator.errors import MistakeError, Option
+    from orchestrator.errors import REPLACE, MistakeError, Option, another
     from orchestrator.store.output_folder import is_run
     from orchestrator.study.run_overlay import compare_runs
     from orchestrator.study.speeds.compare import compare, parse_choice
@@ -109,17 +109,16 @@ def compare_sweeps(  # options of a command
     if out.suffix.lower() not in ("", ".png"):
         raise MistakeError((Option("out", out), f": must be a PNG file, such as {out.with_suffix('.png')}"))
     out = out.with_suffix(".png")
+    if out.exists() and not overwrite:
+        raise MistakeError(f"{out}: is already there", another(), REPLACE)
     reporter = build_reporter(as_json)
     if is_run(first) or is_run(second):
         for name, given in (("from", low), ("to", high), ("at", at), ("lost", lost or None)):
             if given is not None:
                 raise MistakeError((Option(name, given), ": only for two sweeps over speed"))
-        with tell_replaced([out]):
-            found = compare_runs(first, second, out, reporter)
+        found = compare_runs(first, second, out, reporter)
     else:
-        choice = parse_choice(low, high, at, lost)
-        with tell_replaced([out]):
-            found = compare(first, second, out, reporter, choice)
+        found = compare(first, second, out, reporter, parse_choice(low, high, at, lost))
     if as_json:
         print_json(found)
 
@@ -170,7 +169,7 @@ def run_sensitivities(
     at = None if speed is None else parse_speed("speed", speed)
     if run and speed is not None:
         raise MistakeError((Option("speed", speed), ": is that of a steady cycle; leave it out with --run"))
-    with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
+    with tell_interruption(lambda: "only compiled code is kept: the same command begins anew"):
         if run:
             found = find_run_sensitivities(tables, parameter or [], folder, reporter)
         else:

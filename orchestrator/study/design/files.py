@@ -54,7 +54,7 @@ def describe_kept(out: Path, drawn: bool = False) -> str:
     if (out / PROGRESS).exists():
         figure = f", drawn in {out / FIGURE}" * drawn
         return f"the best cam so far is {out / SCENARIO}{figure}: the same command goes on from it"
-    return "no better cam was found yet, nothing is kept: the same command begins anew"
+    return "no better cam was found yet, only compiled code is kept: the same command begins anew"
 
 
 def write_scenario(out: Path, asked: Asked, train: DesignedTrain, unknowns: Vector) -> None:

@@ -24,7 +24,7 @@ from .limits import find_sizes
 from .lobe import Curve, Lobe
 from .slp import Active
 from .train import DesignedTrain
-from .wanted import Improved, Wanted, describe_beyond
+from .wanted import CONFIRMED, Improved, Wanted, describe_beyond
 
 RPM = 30.0 / math.pi
 CAMS = ("before", "after")
@@ -124,7 +124,7 @@ def tabulate(
     limits = {
         **wanted.sizes,
         **{f"{name}.maximum_pressure": size for name, size in wanted.pressures.items()},
-        "least_load": wanted.least_load,
+        **({"least_load": wanted.least_load} if wanted.least_load or wanted.kept else {}),
         "film_ratio": wanted.film,
     }
     found = xarray.Dataset(table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common})
@@ -202,7 +202,8 @@ def describe_shape(lobe: Lobe, own: Curve, designed: Curve, radii: Sequence[floa
 
 
 def describe_active(active: Active, angle: float, objective: Objective) -> str:
-    """E.g. "least_radius limits 3 deg after the nose: 1 % more of it gives -0.4 % of area"."""
+    """E.g. "least_radius limits 3 deg after the nose: 1 % more of it gives -0.4 % of area"; a limit that the
+    cam does not reach would limit the next one."""
     gain = 100.0 * active.gain * objective.sign
     place = "" if math.isnan(angle) else f" {describe_place(angle)}"
     wanted = "area" if objective.name == AREA else objective.name.replace("_", " ")
@@ -210,14 +211,18 @@ def describe_active(active: Active, angle: float, objective: Objective) -> str:
     name = active.name.replace("_", " ")
     if name == DIP:
         name = "that the nose must not dip, with no acceleration above 0 in the middle third of the event,"
+    if active.spare > CONFIRMED:
+        return f"{name} is not reached, {100.0 * active.spare:.2g} % to spare, and limits next{place}{effect}"
     return f"{name} limits{place}{effect}"
 
 
 def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
     """A table of both cams, and what holds the new one."""
+    rpm = [f"{RPM * speed:.0f}" for speed in table["speed"].values]
     shown = Table(
         Column("figure", no_wrap=True), f"r/min of {table.attrs['shaft']}", "before", "after", "change",
-        title=f"{table.attrs['title']}, each where it is worst", title_justify="left", padding=0,
+        title=f"{table.attrs['title']}, each where it is worst at {', '.join(rpm[:-1])} and {rpm[-1]} r/min",
+        title_justify="left", padding=0,
     )  # fmt: skip
     before, after = table.attrs["separation"]
     if math.isfinite(before) and math.isfinite(after):

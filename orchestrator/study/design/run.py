@@ -48,14 +48,15 @@ from .limits import find_sizes
 from .report import Check, report, tabulate
 from .search import Search, Seen
 from .train import DesignedTrain, open_train
-from .wanted import Found, Improved, Wanted
+from .wanted import CONFIRMED, Found, Improved, Wanted
 
 RPM = 30.0 / math.pi
 # The scenario's own separation is sought from its own speed to this part of it, in so many steps.
 TO, STEPS = 6.0, 16
-# Speeds up to the one of separation that a search keeps in sight, and the lowest one, as parts of it. Figures
-# are compared at the lowest and at one below separation, where contact is kept.
-KEPT, LOW, BELOW = (1.0, 0.95, 0.88), 0.5, 0.95
+# Speeds up to the one of separation that a search keeps in sight, and lower ones, as parts of it. At the
+# slowest, about idle, inertia takes 1 % of the load on the nose: there pressures are largest. Figures are
+# compared at the lower ones and at one below separation, where contact is kept.
+KEPT, LOW, BELOW = (1.0, 0.95, 0.88), (0.1, 0.5), 0.95
 # The speed of separation of the designed cam is looked for from and to these parts of that asked for.
 AGAIN, TRIES = (0.8, 1.3), 10
 # It is found to this part of it.
@@ -127,7 +128,7 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
         raise MistakeError('limits.separation_speed = "free": needs speeds = [...] at which limits are kept')
     kept = () if free else tuple(float(target) * part for part in KEPT)
     top = max(asked.brief.speeds) if free else float(target)
-    speeds = tuple(asked.brief.speeds) or (LOW * top,)
+    speeds = tuple(asked.brief.speeds) or tuple(part * top for part in LOW)
     below = [*speeds, *(speed for speed in kept if not cycles.is_lost(speed))]
     parts = train.train.contacts
 
@@ -216,12 +217,14 @@ def design(
                 save_figure(lambda: draw_design(tabulate_best(search, before, *best[-1])), out / FIGURE)
             return describe_kept(out, drawn=bool(best))
 
-        with tell_interruption(describe), reporter.stage("search for a better cam"):
+        # Of the rounds that are allowed few are needed: their share foretells nothing.
+        stage = reporter.stage("search for a better cam", estimate=lambda share, seconds: "")
+        with tell_interruption(describe), stage:
             improved = search.improve(begun, note)
         with reporter.stage("check of the designed cam") as bar:
             after = check(out, wanted, speeds, bar)
         with reporter.stage("coupled run of the designed cam") as bar:
-            coupled = couple(out, train.own_speed, build, follow(bar.show))
+            coupled = couple(out, train.own_speed, wanted, build, follow(bar.show))
             said = [*deliver(out, train, improved.found.unknowns), *coupled]
         geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
         table = tabulate(train, wanted, improved, (before, after), geometries)
@@ -254,8 +257,8 @@ def tabulate_best(search: Search, before: Check, found: Found, seen: Mapping[flo
     return tabulate(search.train, search.wanted, Improved(found, []), checks, geometries)
 
 
-def couple(out: Path, speed: float, build: Builder, reporter: Reporter) -> Iterator[Words]:
-    """A coupled run of the written scenario at its own speed (rad/s) beside the cycle there, in words."""
+def couple(out: Path, speed: float, wanted: Wanted, build: Builder, reporter: Reporter) -> Iterator[Words]:
+    """A coupled run of the written scenario at its own speed (rad/s), its cycle there, and the limits."""
     scenario = load(out / SCENARIO)
     with TemporaryFolder() as folder:
         summary = run_part(scenario, folder / "coupled", build, reporter)
@@ -269,7 +272,16 @@ def couple(out: Path, speed: float, build: Builder, reporter: Reporter) -> Itera
         yield (
             f"coupled run at {speed * RPM:.0f} r/min: largest pressure in {name} "
             f"{1e-6 * contact.pressure:.1f} MPa, of the cycle {1e-6 * pressure:.1f} MPa"
+            f"{describe_excess(contact.pressure, wanted.pressures.get(name, math.inf))}"
         )
+
+
+def describe_excess(pressure: float, most: float) -> str:
+    """The limit of a pressure (Pa), and by how much it is exceeded."""
+    share = pressure / most - 1.0
+    said = f": exceeds the limit of {1e-6 * most:.1f} MPa by {100.0 * share:.2g} %"
+    kept = f", limit {1e-6 * most:.1f} MPa" if math.isfinite(most) else ""
+    return said if share > CONFIRMED else kept
 
 
 def check(out: Path, wanted: Wanted, speeds: list[float], bar: Bar) -> Check:

@@ -40,7 +40,7 @@ from .limits import (
 )
 from .slp import Line, Optimum, Problem, maximise
 from .train import DesignedTrain
-from .wanted import Found, Improved, Wanted, describe, describe_beyond
+from .wanted import CONFIRMED, Found, Improved, Wanted, describe, describe_beyond
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
@@ -63,8 +63,6 @@ RPM = 30.0 / math.pi
 # A limit of loads is met with this share of their scale to spare. Cams within all limits of the model have
 # lost contact at a speed 0.8 % lower, which is 1.6 % of load.
 SPARE = 0.025
-# Of a limit by cycles, that a confirmed lift may exceed it.
-CONFIRMED = 5e-3
 
 
 class Seen(NamedTuple):
@@ -197,11 +195,13 @@ class Search:
                 model, box = self.correct(model, x, seen), box * SHORTER
             if 0.0 < gain <= LITTLE or box < SMALLEST:
                 break
-        # What holds the cam that was found, by its own cycles.
+        # What holds the cam, by its own cycles; the optimum of their model reaches farther.
         last = self.solve(model, found.unknowns, max(box, SMALLEST), 1)
         angles, lines = self.train.lobe.angles, {line.name: line.angle for line in model.lines}
         places = (lines.get(one.name, float(angles[one.row])) for one in last.active)
-        return Improved(found, list(zip(last.active, places, strict=True)))
+        excess = {rows.name: float(rows.excess.max()) for rows in model.evaluate(found.unknowns).limits}
+        active = (one._replace(spare=-excess[one.name]) for one in last.active)
+        return Improved(found, list(zip(active, places, strict=True)))
 
     def look(self, x: Vector) -> dict[float, Seen]:
         """The cycles at all speeds; where contact is lost, those of the next lower speeds that keep it."""

@@ -89,11 +89,13 @@ class Problem:
 
 
 class Active(NamedTuple):
-    """A limit that holds the objective: the row where it does most, and what 1 % more of it would give."""
+    """A limit that holds the objective: the row where it does most, what 1 % more of it would give, and the
+    share of it that is left to spare."""
 
     name: str
     row: int
     gain: float
+    spare: float = 0.0
 
 
 class Optimum(NamedTuple):

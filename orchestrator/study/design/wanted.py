@@ -9,6 +9,9 @@ from models.core.quantities import Vector
 from .figures import AREA, Bound, Objective
 from .slp import Active
 
+# Of a limit by cycles, that a confirmed lift may exceed it.
+CONFIRMED = 5e-3
+
 
 @dataclass(frozen=True)
 class Wanted:

@@ -1,7 +1,9 @@
 """Two designs side by side, from their sweeps over speed."""
 
+import csv
 import json
 import math
+import re
 import tomllib
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -34,6 +36,9 @@ LEAST_IS_WORST = (
 )  # fmt: skip
 # Numbers that are neither good nor bad.
 LEFT_OUT = ("change", "periods", "least_load_angle", "largest_gap_angle")
+# The table of several designs. Of a name of a folder, all that is not one of these becomes an underscore.
+VARIANTS = "variants.csv"
+_UNSAFE = re.compile(r"[^\w.=+ -]")
 
 
 @dataclass(frozen=True)
@@ -82,7 +87,8 @@ def compare(
         raise MistakeError(f"{first} and {second}: have no speeds in common{kept}", *add)
     ends = [f"{RPM * float(pick(table['speed'])):.0f}" for pick in (np.min, np.max) for table in common]
     title = f"{min(ends[:2], key=float)} to {max(ends[2:], key=float)} r/min"
-    title = f"{ends[0]} r/min" if len(set(ends)) == 1 else title
+    several = len(set(ends)) > 1
+    title = title if several else f"{ends[0]} r/min"
     left_out = sum(table.sizes["speed"] for table in tables) - sum(t.sizes["speed"] for t in common)
     if left_out and not choice.lost and choice.at is None:
         title += ", where both keep contact"
@@ -98,7 +104,7 @@ def compare(
         worst = [find_worst(table, name, scale) for table in common]
         if not any(worst):
             continue
-        shown.add_row(name, unit, *(str(w) if w else "–" for w in worst))
+        shown.add_row(name, unit, *(w.describe(several) if w else "–" for w in worst))
         plain = [w and asdict(w) for w in worst]
         numbers[name] = {"unit": unit, **dict(zip(sweeps, plain, strict=True))}
     reporter.console.print(shown)
@@ -139,10 +145,21 @@ def read_sweep(folder: Path) -> Sweep:
 
 
 def label(first: Path, second: Path) -> tuple[str, str]:
-    """The folders' names; where both have the same, numbered."""
-    if first.name != second.name:
-        return first.name, second.name
-    return f"{first.name} (1)", f"{second.name} (2)"
+    """The folders' names, or those of the designs in them; where both have the same, numbered."""
+    names = tuple(map(_name_design, (first, second)))
+    return (names[0], names[1]) if names[0] != names[1] else (f"{names[0]} (1)", f"{names[1]} (2)")
+
+
+def name_folder(design: str) -> str:
+    """Of the sweep of one of several designs."""
+    return _UNSAFE.sub("_", design) or "scenario"
+
+
+def _name_design(folder: Path) -> str:
+    """As the table of several designs beside the folder has it, else the folder's name."""
+    table = folder.parent / VARIANTS
+    rows = csv.DictReader(table.read_text("utf-8-sig").splitlines()) if table.is_file() else ()
+    return next((row["design"] for row in rows if name_folder(row["design"]) == folder.name), folder.name)
 
 
 @dataclass(frozen=True)
@@ -154,9 +171,11 @@ class Worst:
     speed_rpm: float
     angle_deg: float | None = None
 
-    def __str__(self) -> str:
-        place = "" if self.angle_deg is None else f", {self.angle_deg:.0f}°"
-        return f"{format_number(self.value, 5)} at {self.speed_rpm:.0f}{place}"
+    def describe(self, with_speed: bool) -> str:
+        """The value and its place."""
+        speed = [f"{self.speed_rpm:.0f}"] * with_speed
+        place = [*speed, *([] if self.angle_deg is None else [f"{self.angle_deg:.0f}°"])]
+        return format_number(self.value, 5) + (f" at {', '.join(place)}" if place else "")
 
 
 def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:

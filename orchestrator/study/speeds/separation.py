@@ -20,7 +20,7 @@ from ...assessment.figures_of_merit import CONTACT
 from ...assessment.lost_contact import find_lost, list_shares
 from ...assessment.motion import Motion, Part
 from ...assessment.trains import list_parts, parameter_of
-from ...errors import MistakeError, Option, one_of
+from ...errors import MistakeError, Option, in_command_line, one_of
 from ...reporter import Reporter
 from ...scenario.files import put_parameters
 from ...scenario.system import build_system
@@ -194,7 +194,9 @@ def find_second(
             speed = find(is_lost, "lost", first.speed)
             nose = find(is_lost, "lost_on_nose", first.nose_speed) if first.nose_speed and speed else None
     except ModelError as error:
-        return Separation(None, None, f"with film_model = {film} no speed of separation was found: {error}")
+        said = f"with film_model = {film} no speed of separation was found: ", error.fault
+        text = in_command_line((*said, "; choose another ", Option("second_film")))
+        return Separation(None, None, text)
     verdict = _describe_second(first, speed, nose) + _doubt(unsteady)
     return Separation(speed, nose, f"with film_model = {film} {verdict}")
 

@@ -22,15 +22,13 @@ from ...plots.style import save_figure
 from ...reporter import Reporter
 from ...scenario.display import format_number
 from ...store.csv_file import write_rows
-from .compare import find_worst
+from .compare import VARIANTS, find_worst, name_folder
 from .sweep import Swept, select_columns
 
-TABLE, FIGURE = "variants.csv", "variants.png"
+FIGURE = "variants.png"
 RPM = 30.0 / math.pi
 # A value of several: commas in brackets and quotes are its own.
 _VALUE = re.compile(r"""(?:\[[^]]*\]|\{[^}]*\}|"[^"]*"|'[^']*'|[^,])+""")
-# Of a name of a folder, all that is not one of these becomes an underscore.
-_UNSAFE = re.compile(r"[^\w.=+ -]")
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class Variant:
 
     @property
     def folder(self) -> str:
-        return _UNSAFE.sub("_", self.label) or "scenario"
+        return name_folder(self.label)
 
 
 def list_variants(settings: Sequence[str]) -> list[Variant]:
@@ -144,7 +142,7 @@ def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
     for head in list(rows[0])[1:]:
         shown.add_row(head, *(row[head] for row in rows))
     reporter.console.print(shown)
-    write_rows(out / TABLE, [list(rows[0]), *(row.values() for row in rows)])
+    write_rows(out / VARIANTS, [list(rows[0]), *(row.values() for row in rows)])
     tables = {label: one.table for label, one in swept.items()}
     save_figure(lambda: draw_variants(tables), out / FIGURE)
-    reporter.line(f"designs in {out}: {TABLE}, {FIGURE}")
+    reporter.line(f"designs in {out}: {VARIANTS}, {FIGURE}")

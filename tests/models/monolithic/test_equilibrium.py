@@ -20,8 +20,13 @@ LASH = "components.valve_spring.parameters.lash"
         ("seat-and-lash", 3000, (f"{LASH}=0.05 mm", "components.contact.parameters.film_model=moes_venner")),
         # The pushrod and its tappet are free within the lash.
         ("pushrod-train", 4000, (f"{LASH}=0.1 mm",)),
+        # One that rolls nearly fills it: film and finger together are hardly determined.
+        ("finger-follower", 2500, (
+            "components.cam_contact.parameters.film_model=moes_venner", "temperature=110 degC",
+            "components.finger.parameters.rolls=true", "components.finger.parameters.follower_radius=9 mm",
+        )),
     ],
-)
+)  # fmt: skip
 def test_parts_that_just_touch_within_a_lash_come_to_rest(
     name: str, speed: int, changes: tuple[str, ...]
 ) -> None:
