@@ -346,8 +346,8 @@ def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) ->
 
     found = find_wanted(asked, train, Cycles(), None)  # type: ignore[arg-type]
     assert found.least_load == pytest.approx(300.0 - 2e4 * lift.max())
-    # Down to idle, where the nose is pressed most, unless the brief has speeds.
-    assert np.multiply(found.speeds, 30.0 / math.pi) == pytest.approx([300.0, 1500.0])
+    # Down to idle, where the nose is pressed most.
+    assert np.multiply([*found.idle, *found.speeds], 30.0 / math.pi) == pytest.approx([300.0, 1500.0])
 
 
 def test_the_search_gains_what_its_linear_programme_promised(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -129,7 +129,9 @@ def tabulate(
     }
     found = xarray.Dataset(table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common})
     names = {output: f"{train.train.contacts[0]}.{figure}" for output, figure in DRAWN.items()}
-    worst = {o: find_worst(found, n)[0][1] if n in common else speeds[-1] for o, n in names.items()}
+    filmed = found.sel(speed=[speed for speed in speeds if speed not in wanted.idle])
+    over = {output: filmed if output == "film_ratio" else found for output in names}
+    worst = {o: find_worst(over[o], n)[0][1] if n in common else speeds[-1] for o, n in names.items()}
     return found.assign_attrs(
         worst=json.dumps(worst),
         title=f"{train.scenario.name}: {train.cam} before and after",

@@ -53,10 +53,10 @@ from .wanted import CONFIRMED, Found, Improved, Wanted
 RPM = 30.0 / math.pi
 # The scenario's own separation is sought from its own speed to this part of it, in so many steps.
 TO, STEPS = 6.0, 16
-# Speeds up to the one of separation that a search keeps in sight, and lower ones, as parts of it. At the
-# slowest, about idle, inertia takes 1 % of the load on the nose: there pressures are largest. Figures are
-# compared at the lower ones and at one below separation, where contact is kept.
-KEPT, LOW, BELOW = (1.0, 0.95, 0.88), (0.1, 0.5), 0.95
+# Speeds up to the one of separation that a search keeps in sight, and the lowest one, as parts of it. Figures
+# are compared at the lowest and at one below separation, where contact is kept. At a tenth, about idle,
+# inertia takes 1 % of the load on the nose: there pressures are largest.
+KEPT, LOW, BELOW, IDLE = (1.0, 0.95, 0.88), 0.5, 0.95, 0.1
 # The speed of separation of the designed cam is looked for from and to these parts of that asked for.
 AGAIN, TRIES = (0.8, 1.3), 10
 # It is found to this part of it.
@@ -128,18 +128,19 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
         raise MistakeError('limits.separation_speed = "free": needs speeds = [...] at which limits are kept')
     kept = () if free else tuple(float(target) * part for part in KEPT)
     top = max(asked.brief.speeds) if free else float(target)
-    speeds = tuple(asked.brief.speeds) or tuple(part * top for part in LOW)
+    speeds = tuple(asked.brief.speeds) or (LOW * top,)
+    idle = (IDLE * top,) if min(speeds) > IDLE * top else ()
     below = [*speeds, *(speed for speed in kept if not cycles.is_lost(speed))]
     parts = train.train.contacts
 
     def find_pressure(part: str) -> float:
-        return max(float(cycles[speed].column(f"{part}.maximum_pressure").max()) for speed in below)
+        return max(float(cycles[v].column(f"{part}.maximum_pressure").max()) for v in (*idle, *below))
 
     def find_gap(part: str) -> float:
-        return min(float(cycles[speed].column(f"{part}.least_gap").min()) for speed in below)
+        return min(float(cycles[v].column(f"{part}.least_gap").min()) for v in (*idle, *below))
 
     def find_load() -> float:
-        loads = (CONTACT["least_load"][1](Part(cycles[s], p)).value for p in parts for s in below)
+        loads = (CONTACT["least_load"][1](Part(cycles[s], p)).value for p in parts for s in (*idle, *below))
         return min(filter(math.isfinite, loads), default=0.0)
 
     def find_film() -> float:
@@ -164,7 +165,7 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
         {part: size for part, size in gaps.items() if size is not None},
         _choose(limits.least_load, find_load) or 0.0, speeds, kept, film or 0.0,
         list(list_bounds(asked.brief, known, worst)), area,
-        find_objective(asked.brief, known, figure, speeds),
+        find_objective(asked.brief, known, figure, speeds), idle,
     )  # fmt: skip
 
 
@@ -195,7 +196,7 @@ def design(
             free = brief.limits.separation_speed == FREE
             separation = None if free else find_own_separation(asked, cycles, train.own_speed)
             wanted = find_wanted(asked, train, cycles, separation)
-            speeds = [*wanted.speeds, *(BELOW * speed for speed in wanted.kept[:1])]
+            speeds = [*wanted.idle, *wanted.speeds, *(BELOW * speed for speed in wanted.kept[:1])]
             before = Check(separation, {speed: cycles[speed] for speed in speeds})
         for file in held:
             file.unlink()
@@ -244,8 +245,9 @@ def design(
 def _introduce(wanted: Wanted, shaft: str) -> str:
     """Which speeds the lines of the search name, and at which limits hold."""
     at = ", ".join(f"{RPM * speed:.0f}" for speed in wanted.speeds)
+    idle = "".join(f", of loads and pressures at {RPM * speed:.0f} too" for speed in wanted.idle)
     kept = f"; contact is to be kept up to {RPM * wanted.kept[0]:.0f}" if wanted.kept else ""
-    return f"speeds are those of {shaft} in r/min: limits hold at {at}{kept}"
+    return f"speeds are those of {shaft} in r/min: limits hold at {at}{idle}{kept}"
 
 
 def tabulate_best(search: Search, before: Check, found: Found, seen: Mapping[float, Seen]) -> xarray.Dataset:

@@ -122,7 +122,7 @@ class Search:
         return [*(f"{name}.load" for name in self.contacts), *film, *gaps]
 
     def all_speeds(self, x: Vector) -> list[float]:
-        return sorted({*self.wanted.speeds, *self.kept(x)})
+        return sorted({*self.wanted.idle, *self.wanted.speeds, *self.kept(x)})
 
     @property
     def scale(self) -> Vector:
@@ -253,7 +253,7 @@ class Search:
             for name, least in self.wanted.gaps.items():
                 gap = float(cycle[f"{name}.least_gap"].min())
                 excesses[f"gap of {name} {at}"] = (least - gap) / max(abs(least), 1e-4)
-            if self.wanted.film:
+            if self.wanted.film and speed not in self.wanted.idle:
                 ratios = self.train.film_ratios(cycle.__getitem__)
                 excesses[f"film ratio {at}"] = 1.0 - float(np.nanmin(ratios)) / self.wanted.film
             for name, side, size in self.wanted.figures if figures else ():
@@ -378,7 +378,7 @@ class Search:
                 stiffness = float(pressure[row] ** 2 / strong[row])
                 word, most = f"pressure in {name} {at}", wanted.pressures[name]
                 yield pressure_limit(word, column, speed, most, stiffness, arc if name == first else None)
-        if wanted.film:
+        if wanted.film and speed not in wanted.idle:
             ratios = self.train.film_ratios(answer.cycle.__getitem__)
             yield film_limit(
                 f"film ratio {at}", f"{first}.film_ratio", speed, wanted.film, ratios, touch.entraining

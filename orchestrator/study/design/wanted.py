@@ -17,7 +17,8 @@ CONFIRMED = 5e-3
 class Wanted:
     """What is wanted, and limits in SI units: sizes of the cam's own, of pressures by contact, of gaps by
     spring, the least load at all `speeds` (rad/s), the `kept` ones up to which contact is kept, the highest
-    first, the least film ratio of the cam's contact (0: any), figures at `speeds`, and the share of area."""
+    first, the least film ratio of the cam's contact (0: any), figures at `speeds`, the share of area, and an
+    `idle` speed, at which films and figures are free: no cam has a film there."""
 
     sizes: Mapping[str, float]
     pressures: Mapping[str, float]
@@ -29,6 +30,7 @@ class Wanted:
     figures: Sequence[Bound] = ()
     area: float = 0.0
     objective: Objective = Objective()
+    idle: Sequence[float] = ()
 
 
 class Found(NamedTuple):
