@@ -239,7 +239,7 @@ def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     """The contour on the left; over the cam angle lift and derivatives, and what the contact has of them."""
     name = Path(values["lift_table"]).stem or values["law"]
     title = f"Cam {name} with follower {values['follower']}, {values['speed'] * RPM:.0f} r/min"
-    figure, axes = create_subplots(4, 3, title, (11.0, 8.4), width_ratios=(1.3, 1.0, 1.0))
+    figure, axes = create_subplots(4, 3, title, (12.0, 7.2), width_ratios=(1.8, 1.0, 1.0))
     grid = axes[0, 0].get_gridspec()
     for panel in axes[:, 0]:
         panel.remove()
@@ -248,7 +248,7 @@ def draw_cam(data: xarray.Dataset, values: Mapping[str, Any]) -> Figure:
     _plot(axes[0, 1], degrees, MM * data["lift"].values, "Lift (mm)")
     _plot(axes[1, 1], degrees, speed * data["slope"].values, "Velocity (m/s)")
     _plot(axes[2, 1], degrees, speed**2 * data["curvature"].values, "Acceleration (m/s²)")
-    _plot(axes[3, 1], degrees, speed**3 * data["jerk"].values, "Jerk (m/s³)")
+    _plot(axes[3, 1], degrees, 1e-3 * speed**3 * data["jerk"].values, "Jerk (km/s³)")
     entraining = speed * data["entraining_velocity"].values
     _plot(axes[0, 2], degrees, entraining, "Velocity of contact (m/s)", "entraining")
     axes[0, 2].plot(degrees, speed * data["sliding_velocity"].values, color=ACCENT, label="sliding")

@@ -29,7 +29,7 @@ def draw_design(table: xarray.Dataset) -> Figure:
         ("lift", 1e3, "Lift (mm)", [1e3 * sizes["largest_lift"]] if "largest_lift" in sizes else []),
         ("slope", speed, f"Velocity (m/s)\n{at}", _both(sizes, "largest_velocity")),
         ("acceleration", square, f"Acceleration (m/s²)\n{at}", _range(sizes)),
-        ("jerk", cube, f"Jerk (m/s³)\n{at}", _both(sizes, "largest_jerk")),
+        ("jerk", 1e-3 * cube, f"Jerk (km/s³)\n{at}", [1e-3 * size for size in _both(sizes, "largest_jerk")]),
     )
     for panel, (name, factor, label, lines) in zip(axes[:, 0], left, strict=True):
         _plot(panel, degrees, factor * table[name].values, label, lines)

@@ -39,7 +39,12 @@ LEAST_SHOWN = 3
 LEAST_RANGE = 0.02
 # Colours of natural frequencies, by their kind.
 NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
-TORQUE = "Drive torque (N m)"
+TORQUE, FILM, ROLLING = "Drive torque (N m)", "Least film (µm)", ".rolling_power"
+# Powers of rolling are drawn from this part of the largest power on. Films that differ by more than a factor
+# have a logarithmic axis.
+COUNTS, APART = 0.02, 10.0
+# Of a line of a remark, over the height of its panel.
+LINE_HEIGHT = 0.06
 # Letters of 6 points in the width of a panel.
 LINE = 70
 # Title, unit with its factor, endings of results: a panel for each that the table has.
@@ -48,10 +53,10 @@ PANELS = (
     ("Spring margin (%)", 100.0, (".spring_margin",)),
     ("Surge force (N)", 1.0, (".surge_force",)),
     ("Seating velocity (m/s)", 1.0, (".seating_velocity",)),
-    ("Least film (µm)", 1e6, (".least_film",)),
+    (FILM, 1e6, (".least_film",)),
     ("Largest pressure (MPa)", 1e-6, (".peak_pressure",)),
     (TORQUE, 1.0, (".least_torque", ".largest_torque", ".mean_torque")),
-    ("Friction power (W)", 1.0, (".friction_power",)),
+    ("Friction power (W)", 1.0, (".friction_power", ROLLING)),
     ("Largest lift (mm)", 1e3, (".largest_lift",)),
     ("Chamber pressure (MPa)", 1e-6, (".chamber_pressure",)),
     ("Adjuster in a turn (µm)", 1e6, (".shortening", ".lift_loss", ".leak_down", ".held_open")),
@@ -72,7 +77,7 @@ def draw_summary(
         every = dict.fromkeys(
             str(n) for t in tables.values() for n in t.data_vars if str(n).endswith(endings)
         )
-        if names := [n for n in every if any(has_values(table, n) for table in tables.values())]:
+        if names := drop_small([n for n in every if any(has_values(t, n) for t in tables.values())], tables):
             shown.append((title, scale, names))
     lost = any(find_lost(table).any() for table in tables.values())
     title = " and ".join(tables) + (" (dashed)" if len(tables) > 1 else " over speed")
@@ -86,9 +91,24 @@ def draw_summary(
             shade_lost(panel, table, (separations or {}).get(design))
         panel.set_ylabel(title)
         if title == TORQUE:
-            text = _describe_torques(tables)
-            panel.text(0.02, 0.02, text, transform=panel.transAxes, fontsize=6.0, color="0.35")
+            _write_below(panel, _describe_torques(tables))
     return figure
+
+
+def _write_below(axes: Axes, text: str) -> None:
+    """In the panel, under its curves."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low - LINE_HEIGHT * (1 + text.count("\n")) * (high - low), high)
+    box = {"facecolor": "white", "alpha": 0.8, "lw": 0.0, "pad": 1.0}
+    axes.text(0.02, 0.02, text, transform=axes.transAxes, fontsize=6.0, color="0.35", bbox=box)
+
+
+def drop_small(names: list[str], tables: Mapping[str, xarray.Dataset]) -> list[str]:
+    """Without rolling that is little beside the panel's largest value."""
+    every = {name: [t[name].values for t in tables.values() if name in t] for name in names}
+    reach = {name: max(np.abs(np.nan_to_num(one)).max() for one in every[name]) for name in names}
+    least = COUNTS * max(reach.values(), default=0.0)
+    return [name for name in names if not name.endswith(ROLLING) or reach[name] > least]
 
 
 def _describe_torques(tables: Mapping[str, xarray.Dataset]) -> str:
@@ -113,7 +133,7 @@ def limit_to_contact(
     axes: Axes, scale: float, names: list[str], tables: Mapping[str, xarray.Dataset]
 ) -> None:
     """Scale a panel by the speeds with contact: impacts after separation hide all else, and so would a scale
-    of what hardly changes."""
+    of what hardly changes. Of films that are far apart the scale is logarithmic."""
     kept = [
         scale * table[name].values[_shown_speeds(table)]
         for table in tables.values()
@@ -122,7 +142,11 @@ def limit_to_contact(
     ]
     values = np.concatenate(kept)
     values = values[np.isfinite(values)]
-    if values.size and np.ptp(values) > 0.0:
+    largest = [float(np.nanmax(one)) for one in kept if np.isfinite(one).any()]
+    if names[0].endswith(".least_film") and values.min() > 0.0 and max(largest) > APART * min(largest):
+        axes.set_yscale("log")
+        axes.set_ylim(0.7 * values.min(), 1.4 * values.max())
+    elif values.size and np.ptp(values) > 0.0:
         middle = 0.5 * (values.min() + values.max())
         half = 0.65 * max(np.ptp(values), LEAST_RANGE * abs(middle))
         axes.set_ylim(middle - half, middle + half)
@@ -259,33 +283,32 @@ def _add_legend(axes: Axes) -> None:
 
 
 # Line styles of results that share a panel, by the beginning of their names; others are solid.
-STYLES = {"least": "dashed", "mean": "dotted", "largest": "solid"}
+STYLES = {"least": "dashed", "mean": "dotted", "largest": "solid", "rolling": "dashdot"}
+# Widths of the first design's curves and the last one's, which leave each other to be seen where they agree.
+WIDEST, NARROWEST = 3.0, 1.0
 
 
 def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
     """The numbers of all cycles over speed, of the first part that has each, scaled by those with contact."""
     shown = []
     for title, scale, endings in PANELS:
-        names = [
-            name
-            for ending in endings
-            if (name := _find_first(tables, ending)) and any(has_values(t, name) for t in tables.values())
-        ]
-        if names:
+        first = filter(None, (_find_first(tables, ending) for ending in endings))
+        if names := drop_small([n for n in first if any(has_values(t, n) for t in tables.values())], tables):
             shown.append((title, scale, names))
     lost = any(find_lost(table).any() for table in tables.values())
     title = "Designs over speed" + "; shaded where one loses contact" * lost
     figure, panels = create_panels(len(shown), title, below=0.4)
     colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(tables)))
+    widths = np.linspace(WIDEST, NARROWEST, len(tables)) if len(tables) > 1 else [NARROWEST]
     used: set[str] = set()
     for panel, (title, scale, names) in zip(panels, shown, strict=True):
         drawn = {name: name.partition(".")[2].partition("_")[0] for name in names} if len(names) > 1 else {}
         used.update(drawn.values())
-        for colour, table in zip(colours, tables.values(), strict=True):
+        for colour, width, table in zip(colours, widths, tables.values(), strict=True):
             for name in names:
                 if name in table:
                     style = STYLES.get(drawn.get(name, ""), "solid")
-                    plot_over_speed(panel, table, name, scale, color=colour, ls=style)
+                    plot_over_speed(panel, table, name, scale, color=colour, lw=width, ls=style)
             shade_lost(panel, table, None)
         limit_to_contact(panel, scale, names, tables)
         panel.set_title(f"{title}: {names[0].partition('.')[0]}")

@@ -43,6 +43,7 @@ CONTACT = {
     "Sliding velocity": "sliding_velocity",
     "Friction": "friction_force",
 }
+SLIDING = ("Sliding velocity", "Friction")
 HYDRAULIC = {"Adjuster\nextension": "extension", "Adjuster\npressure": "pressure"}
 # What a run may lack of a revolution.
 OPEN = 0.01
@@ -192,7 +193,14 @@ def list_columns(data: FigureData, train: Train) -> list[Panels]:
         panels = {words: f"{contact}.{name}" for words, name in CONTACT.items()}
         panels["Sliding velocity"] = data.drivers.get(f"{contact}.sliding_velocity", "")
         columns.append({**panels, "Gap": f"{contact}.{GAP}"} if opened else panels)
-    return [{words: name for words, name in panels.items() if name in data.coupled} for panels in columns]
+
+    def is_shown(words: str, name: str) -> bool:
+        """One that rolls has no sliding, nor its friction."""
+        return name in data.coupled and (
+            words not in SLIDING or bool(np.nan_to_num(data.coupled[name]).any())
+        )
+
+    return [{words: name for words, name in panels.items() if is_shown(words, name)} for panels in columns]
 
 
 def _draw_pale(axes: np.ndarray, columns: list[Panels], data: FigureData, train: Train) -> None:
