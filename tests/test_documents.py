@@ -208,37 +208,25 @@ def test_every_tutorial_prints_what_it_says(page: Path, tmp_path: Path) -> None:
     assert done.stdout.splitlines() == list_expected(code)
 
 
-# Extensions are made by the tests of their page.
+# Their Python is executed, and its results looked at, by the tests of what they show.
+ELSEWHERE = ("exchange-ssp", "extending", "multibody", "use-from-python", "write-a-component")
 GUIDES = [
-    page
-    for page in sorted({*(DOCS / "how-to").glob("*.md"), *(DOCS / "theory").glob("*.md")})
-    if "```python" in page.read_text("utf-8") and page.stem != "extending"
+    pytest.param(page, id=page.stem, marks=[] if page.stem == "run-a-study" else pytest.mark.long)
+    for page in sorted([*(DOCS / "how-to").glob("*.md"), *(DOCS / "theory").glob("*.md")])
+    if "```python" in page.read_text("utf-8") and page.stem not in ELSEWHERE
 ]
-# Commands that the page has before, in whose folder a TOML block of the page is map.toml.
-BEFORE = {
-    "run-a-study": ("study", "map.toml"),
-    "exchange-ssp": ("ssp", "export", "two-masses", "--out", "two-masses.ssp"),
-}
 
 
-@pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(page, id=page.stem, marks=[] if page.stem == "run-a-study" else pytest.mark.long)
-        for page in GUIDES
-    ],
-)
+@pytest.mark.parametrize("page", GUIDES)
 def test_the_python_of_a_guide_runs(page: Path, tmp_path: Path) -> None:
-    (example, *_) = *re.findall(r"```toml\n(.+?)```", page.read_text("utf-8"), re.DOTALL), ""
-    (tmp_path / "map.toml").write_text(example, "utf-8")
-    if page.stem in BEFORE:
-        made = called(*BEFORE[page.stem], cwd=tmp_path)
+    """After its study, if it has one."""
+    if study := re.search(r"```toml\n(analysis = .+?)```", page.read_text("utf-8"), re.DOTALL):
+        (tmp_path / "map.toml").write_text(study[1], "utf-8")
+        made = called("study", "map.toml", cwd=tmp_path)
         assert made.returncode == 0, made.stderr
-    done = subprocess.run(
-        [sys.executable, "-W", "error::DeprecationWarning:__main__", "-c", read_cells(page)],
-        cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True, text=True, timeout=1500,
-    )  # fmt: skip
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-c", read_cells(page)]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 0, done.stderr[-4000:]
 
 

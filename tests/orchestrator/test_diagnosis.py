@@ -13,6 +13,7 @@ import pytest
 from models.core.quantities import Quantity
 from orchestrator.assessment.diagnosis import RULES, Facts, Steps, brief, diagnose_steps, full, read_steps
 from orchestrator.assessment.diagnosis.report import LIMITING, answer, diagnose
+from orchestrator.assessment.diagnosis.suggestions import SURVEYED, suggestions
 from orchestrator.assessment.diagnosis.times import Spending, list_parts, read_spending
 from orchestrator.assessment.friction.judge import judge_friction
 from orchestrator.engine.effort import Spent
@@ -189,10 +190,13 @@ def test_a_rule_speaks_with_ground_and_is_silent_without(rule):
     assert rule not in said(facts(EQUAL if equal else CONTROLLED))
 
 
-def test_a_master_that_a_survey_chose_is_not_called_too_weak():
-    assert "stiff_connection" not in said(
-        facts(CONTROLLED, "master.name=gauss_seidel", "master.chosen=surveyed")
-    )
+@pytest.mark.parametrize("rule", [rule.__name__ for rule in SURVEYED])
+def test_what_a_survey_has_chosen_is_not_advised_against(rule):
+    steps, changes, words = GROUNDS[rule]
+    scenario = "valve-train" if steps is EQUAL else "valve-train-controlled"
+    found, chosen = (facts(steps, *changes, *more, scenario=scenario) for more in ([], ["master.chosen=so"]))
+    assert words in " ".join(suggestions(found))
+    assert words not in " ".join(suggestions(chosen))
 
 
 def test_a_torque_that_moves_nothing_is_not_called_stiff():

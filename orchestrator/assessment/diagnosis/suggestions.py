@@ -29,12 +29,9 @@ WORTH = 0.05  # of the doStep calls: a saving of less is not worth a change
 
 
 def stiff_connection(facts: Facts) -> str | None:
-    """One variable's error limits most steps under a master that does not iterate, and was not chosen by a
-    survey."""
+    """One variable's error limits most steps under a master that does not iterate."""
     name, share = facts.limiting
     if share < MOST or facts.master.implicit or not facts.limits.restorable or not facts.is_felt(name):
-        return None
-    if facts.scenario.master.chosen:
         return None
     signal = list(DEGREES)[facts.limits.useful_degree]
     return (
@@ -193,8 +190,8 @@ def longest(facts: Facts) -> str | None:
     """Most steps are cut at maximum_step although their error would allow more."""
     share = facts.diagnosis.share("maximum_step")
     control = facts.scenario.step_control
-    if share < MOST or control is None or control.maximum_step is None or facts.scenario.master.chosen:
-        return None  # what auto has chosen keeps the coupling stable
+    if share < MOST or control is None or control.maximum_step is None:
+        return None
     chosen = facts.steps.reason == REASONS.index("maximum_step")
     error = float(np.median(facts.steps.error[chosen]))
     return (
@@ -267,6 +264,11 @@ RULES: list[Rule] = [
 ]  # fmt: skip
 
 
+# What a survey has decided where auto chose, so that the coupling is stable with the least work.
+SURVEYED = (stiff_connection, smaller_part, higher_degree, suggest_held_inputs, longest)
+
+
 def suggestions(facts: Facts) -> list[str]:
     """What the rules say."""
-    return [said for rule in RULES if (said := rule(facts))]
+    rules = (rule for rule in RULES if not (facts.scenario.master.chosen and rule in SURVEYED))
+    return [said for rule in rules if (said := rule(facts))]
