@@ -57,7 +57,9 @@ class Inputs:
 @dataclass
 class Outputs:
     force: float = kinds.FORCE("force on the moving end, preload included")
-    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash")
+    least_gap: float = kinds.DISPLACEMENT(
+        "travel left to coil bind, if all coils were as tight as the tightest; negative in a clash"
+    )
     clash_force: float = kinds.FRICTION("largest force of a stop")
     coil_position: Vector = kinds.DISPLACEMENT.each("displacement of a coil mass", "coil_masses")
 
@@ -117,12 +119,13 @@ def derivative(t: float, x: State, u: Inputs, p: Parameters, dx: State) -> None:
 def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.force = p.preload + segment_force(0, x, u, p)
     compression, rate = compress(0, x, u)
-    y.least_gap, y.clash_force = p.gap[0] - compression, stop_force(0, compression, rate, p)
+    least, y.clash_force = p.gap[0] - compression, stop_force(0, compression, rate, p)
     for i in range(x.coil_position.size):
         compression, rate = compress(i + 1, x, u)
-        y.least_gap = min(y.least_gap, p.gap[i + 1] - compression)
+        least = min(least, p.gap[i + 1] - compression)
         y.clash_force = max(y.clash_force, stop_force(i + 1, compression, rate, p))
         y.coil_position[i] = x.coil_position[i]
+    y.least_gap = p.gap.size * least
 
 
 @kernel

@@ -80,7 +80,9 @@ class ValveSpringOutputs(FollowerMotion):
     spring_force: float = kinds.FORCE("force of the spring on the follower, preload included")
     seat_force: float = kinds.FORCE("force of the seat on the valve")
     seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat; -1 m without a seat", NO_SEAT)
-    least_gap: float = kinds.DISPLACEMENT("least gap between coils, negative in a clash")
+    least_gap: float = kinds.DISPLACEMENT(
+        "travel left to coil bind, if all coils were as tight as the tightest; negative in a clash"
+    )
     coil_position: Vector = COIL_POSITION.per_element()
 
 
@@ -162,12 +164,11 @@ def valve_spring(coil_masses: int = 2) -> Component:
 
     @kernel
     def least_gap(p: ValveSpringParameters, x: ValveSpringState) -> float:
-        """A segment's gap is its share of the clearance less its compression."""
-        least = p.clash_clearance / end_share - (x.position - x.coil_position[0])
+        """The clearance less the largest compression of a segment, as travel of a spring of such segments."""
+        most = end_share * max(x.position - x.coil_position[0], x.coil_position[n - 1])
         for i in range(n - 1):
-            compression = x.coil_position[i] - x.coil_position[i + 1]
-            least = min(least, p.clash_clearance / inner_share - compression)
-        return min(least, p.clash_clearance / end_share - x.coil_position[n - 1])
+            most = max(most, inner_share * (x.coil_position[i] - x.coil_position[i + 1]))
+        return p.clash_clearance - most
 
     @kernel
     def spring_on_follower(p: ValveSpringParameters, x: ValveSpringState) -> float:

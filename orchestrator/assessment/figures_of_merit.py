@@ -116,6 +116,14 @@ def _surge(part: Part) -> Found:
     return Found.largest(np.abs(part["spring_force"] - static))
 
 
+def _least_lift(valve: Part) -> Found:
+    """In the last whole turn, 0 of a valve that closes; none of less, and of a valve without a seat."""
+    turn = valve.last_turn
+    if turn is None or valve.parameter("seat_stiffness") == 0.0:
+        return NONE
+    return Found(max(0.0, -float(np.max(turn["seat_dip"]))))
+
+
 def _lift_area(valve: Part) -> Found:
     """Of a turn."""
     turns = np.nan_to_num(valve.turned[-1]) / (2.0 * math.pi)
@@ -179,6 +187,16 @@ def _least_film(contact: Part) -> Found:
     """Of a film below an atom nothing."""
     film = _least("minimum_film_thickness")(contact)
     return film if film.value >= ATOM else Found(0.0, film.row)
+
+
+def _at_nose(variable: str) -> Callable[[Part], Found]:
+    """At the cam's greatest lift, under load."""
+
+    def find(contact: Part) -> Found:
+        row = contact.nose
+        return Found.at(contact[variable], row) if row is not None and contact["load"][row] > 0.0 else NONE
+
+    return find
 
 
 def _film_feed(contact: Part) -> Found:
@@ -266,6 +284,12 @@ CONTACT: Mapping[str, Figure] = {
         Quantity("1", "least film over roughness; the film bears the fluid's share of the load"),
         _least("film_ratio"),
     ),
+    "nose_pressure": (PRESSURE.of("Hertz pressure at the nose"), _at_nose("maximum_pressure")),
+    "nose_film": (
+        Quantity("m", "film thickness at the nose", display_unit="um"),
+        _at_nose("minimum_film_thickness"),
+    ),
+    "nose_film_ratio": (Quantity("1", "film over roughness at the nose"), _at_nose("film_ratio")),
     "film_power": (
         Quantity("W", "mean power that the growing film gives to the motion"),
         _mean_power("load", "squeeze_velocity"),
@@ -280,6 +304,10 @@ VALVE: Mapping[str, Figure] = {
         Quantity("m", "lift, integrated over the cam angle in radians", display_unit="mm"),
         _lift_area,
     ),
+    "least_lift": (
+        Quantity("m", "least lift in a turn, by which the valve never closes", display_unit="mm"),
+        _least_lift,
+    ),
     "spring_margin": (
         SHARE.of("spring margin: least load on the open valve over the force of its springs"),
         _spring_margin,
@@ -291,7 +319,10 @@ VALVE: Mapping[str, Figure] = {
     "largest_seat_force": (Quantity("N", "largest seat force"), _largest("seat_force")),
 }
 SPRING: Mapping[str, Figure] = {
-    "least_gap": (Quantity("m", "least gap between coils", display_unit="mm"), _least_gap)
+    "least_gap": (
+        Quantity("m", "least travel left to coil bind, by the tightest coils", display_unit="mm"),
+        _least_gap,
+    )
 }
 LOADED_SPRING: Mapping[str, Figure] = {
     "largest_spring_force": (Quantity("N", "largest spring force"), _largest("spring_force")),

@@ -17,13 +17,22 @@ from models.core.words import tally
 from ..scenario.display import format_number, say, show
 from ..store import atomic_write
 from .adjusters import UNHELD, describe_growth
-from .contacts import ContactSummaries, ContactSummary
+from .contacts import ContactSummaries, ContactSummary, name_turn
 from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
 from .motion import Motion
-from .trains import Angle, Train, find_angle, find_degrees, find_drive_angle, find_trains, list_parts
+from .trains import (
+    Angle,
+    Train,
+    find_angle,
+    find_degrees,
+    find_drive_angle,
+    find_trains,
+    find_turns,
+    list_parts,
+)
 
 # A column of the coupled run, by "instance.variable", or "time".
 Read = Callable[[str], Vector]
@@ -120,6 +129,7 @@ def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list
         margin, followed = _follow(train, found)
         said = [
             *followed,
+            *_list_open(train, found),
             *_list_landing(train, found, read),
             *_list_clash(train, found),
             *_list_wire(train, found),
@@ -196,8 +206,11 @@ def describe_adjusters(system: System, merits: Sequence[Merit], read: Read) -> l
 def _find_place(system: System, merit: Merit, read: Read) -> str:
     """The angle at which a figure stands."""
     assert merit.time is not None
-    degrees, shaft = _place(find_angle(system, merit.part), merit.time, read)
-    return f"{shaft} {float(degrees):.1f} deg" if shaft else f"t = {merit.time:.6g} s"
+    angle = find_angle(system, merit.part)
+    degrees, shaft = _place(angle, merit.time, read)
+    if angle is None:
+        return f"t = {merit.time:.6g} s"
+    return f"{shaft} {float(degrees):.1f} deg{name_turn(find_turns(angle, [merit.time], read))}"
 
 
 Merits = Mapping[tuple[str, str], Merit]
@@ -215,6 +228,13 @@ def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
     return (least.value, [f"least load {least.text} while the cam lifts"]) if least else (0.0, [])
 
 
+def _list_open(train: Train, found: Merits) -> Iterator[str]:
+    """Valves that never close."""
+    for valve in train.list_parts(roles.Valve):
+        if (held := found.get((valve, "least_lift"))) and held.value > 0.0:
+            yield f"never closes, held open by {held.text}"
+
+
 def _list_landing(train: Train, found: Merits, read: Read) -> Iterator[str]:
     """Seating velocity and bounce of each valve that lands on a seat."""
     for valve in train.list_parts(roles.Valve):
@@ -226,7 +246,7 @@ def _list_landing(train: Train, found: Merits, read: Read) -> Iterator[str]:
 
 
 def _list_clash(train: Train, found: Merits) -> Iterator[str]:
-    """Whether coils clash, and the least gap between coils that do not."""
+    """Whether coils clash, and the travel that is left where they do not."""
     springs = _list_springs(train)
     gaps = [found[name, "least_gap"] for name in springs if (name, "least_gap") in found]
     for gap in gaps:
@@ -236,7 +256,7 @@ def _list_clash(train: Train, found: Merits) -> Iterator[str]:
         elif gap.value <= 0.0:
             yield f"coils of {gap.part} clash"
     if gaps and (least := min(gaps, key=lambda gap: gap.value)).value > 0.0:
-        yield f"no clash of coils, least gap {least.text}"
+        yield f"no clash of coils, {least.text} of travel left to coil bind"
 
 
 def _list_springs(train: Train) -> list[str]:
@@ -260,7 +280,7 @@ def _list_clearance(train: Train, found: Merits) -> Iterator[str]:
 
 
 def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
-    """Highest pressure and least film ratio."""
+    """Highest pressure, least film ratio, and what the cam has at its nose."""
 
     def of(figure: str, parts: Sequence[str] = train.contacts) -> list[Merit]:
         known = [found.get((part, figure)) for part in parts]
@@ -270,6 +290,12 @@ def _list_contacts(train: Train, found: Merits) -> Iterator[str]:
         yield f"highest pressure {pressures[-1].text} in {pressures[-1].part}"
         if (ratios := of("least_film_ratio")) and ratios[0].value > 0.0:
             yield f"least film ratio {ratios[0].value:.2g} in {ratios[0].part}"
+    for part in train.contacts[:1]:
+        if pressure := found.get((part, "nose_pressure")):
+            film, ratio = (found.get((part, f"nose_{figure}")) for figure in ("film", "film_ratio"))
+            said = f", film {film.text}" if film and film.value >= ATOM else ""
+            said += f", film ratio {ratio.value:.2g}" if ratio and ratio.value > 0.0 else ""
+            yield f"at the nose {pressure.text}{said} in {part}"
 
 
 @dataclass(frozen=True)
@@ -308,18 +334,18 @@ def describe_drive(system: System, merits: Sequence[Merit], read: Read) -> Itera
 
 HEAD = (
     "part", "figure of merit", "value", "unit", "angle [deg]", "angle of", "time [ms]", "speed [r/min]",
-    "friction",
+    "friction", "remark",
 )  # fmt: skip
 
 
 def write_merits(
     system: System, merits: Sequence[Merit], doubts: Sequence[str], read: Read, path: Path
 ) -> None:
-    """The table as a CSV file that a spreadsheet opens as it is; it begins with what is doubted."""
+    """The table as a CSV file that a spreadsheet opens as it is; its last rows are the friction of all parts
+    and what is doubted, as remarks of the run."""
     text = io.StringIO()
     table = csv.writer(text)
     table.writerow(HEAD)
-    table.writerows(("", doubt, *[""] * (len(HEAD) - 2)) for doubt in doubts)
     drive = find_drive_angle(system)
     for merit in merits:
         shown = show(merit.quantity)
@@ -334,7 +360,13 @@ def write_merits(
         words = merit.quantity.description
         value = format_number(shown.factor * merit.value, 6)
         note = note_friction(system, merit.part, merit.figure)
-        table.writerow((merit.part, words, value, shown.text, *place, note))
+        table.writerow((merit.part, words, value, shown.text, *place, note, ""))
+    if friction := sum_friction(system, merits):
+        inside, outside = friction.in_the_motion, friction.outside
+        shares = f"{inside:.6g} W in the motion, {outside:.6g} W outside"
+        row = format_number(inside + outside, 6), "W", "", "", "", "", shares, ""
+        table.writerow(("all parts", "mean friction power", *row))
+    table.writerows(("run", "warning", *[""] * (len(HEAD) - 3), doubt) for doubt in doubts)
     # Spreadsheets take a file for UTF-8 by its first three bytes.
     atomic_write.write_whole(path, text.getvalue().encode("utf-8-sig"))
 

@@ -35,6 +35,8 @@ NONE = Found(math.nan)
 # The last rows within this of a turn (rad) are one.
 SLACK = math.radians(3.6)
 ROUNDING = 1e-9
+# Of its largest lift: from here on a cam is at its nose.
+NEAR = 1.0 - 1e-3
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,20 @@ class Part:
     @cached_property
     def cam_lift(self) -> Vector | None:
         return self.motion.column(f"{self.train.cam}.cam_lift") if self.train else None
+
+    @cached_property
+    def nose(self) -> int | None:
+        """The row of its cam's greatest lift, in the last whole turn, else in all rows; of a dwell the middle
+        one. None where the rows do not reach it."""
+        turn = self.last_turn or self
+        if self.train is None or turn.cam_lift is None:
+            return None
+        largest, known = float(np.max(turn.cam_lift)), self.train.largest_lift
+        if largest <= 0.0 or (self.last_turn is None and not 0.0 < known <= largest / NEAR):
+            return None
+        rows = np.flatnonzero(turn.cam_lift >= largest * (1.0 - ROUNDING))
+        dwell = rows[: 1 + np.argmax(np.diff(rows, append=rows[-1] + 2) > 1)]
+        return int(dwell[dwell.size // 2]) + self.motion.times.size - turn.motion.times.size
 
     @cached_property
     def lifted(self) -> NDArray[np.bool_]:

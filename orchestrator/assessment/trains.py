@@ -1,5 +1,6 @@
 """The valve trains of a system, and the angles over which its parts are read; both found by roles."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -26,6 +27,8 @@ ENDS = (
 CRANKS = ENDS[-3:]
 # Of the largest lift: above it a cam lifts.
 LIFTED = 0.1
+# Of a revolution: what a run may lack of it.
+OPEN = 0.01
 WORDS = {"cam_angle": "Cam angle", "crank_angle": "Crank angle", "shaft_angle": "Shaft angle"}
 
 
@@ -193,6 +196,16 @@ def find_degrees(angle: Angle, times: float | Sequence[float], column: Callable[
     k = int(np.searchsorted(rows, rows[-1])) - 1  # the last row before that time, which may come twice
     speed = (turned[-1] - turned[k]) / (rows[-1] - rows[k]) if past.any() and k >= 0 else 0.0
     return np.asarray((np.interp(times, rows, turned) + speed * past) % 360.0)
+
+
+def find_turns(angle: Angle, times: Sequence[float], column: Callable[[str], Vector]) -> list[int]:
+    """The whole revolutions, from 1, in which times (s) of a run are; none of a run of one. Before the first
+    whole one it is 0."""
+    turned = angle.factor * column(angle.source) / (2.0 * math.pi)
+    first = math.ceil(turned[0] - OPEN)
+    if turned[-1] - first <= 1.0 + OPEN:
+        return []
+    return [math.floor(at) - first + 1 for at in np.interp(times, column("time"), turned)]
 
 
 def list_ratios(system: System) -> list[float]:

@@ -21,7 +21,7 @@ from ..assessment.figures_of_merit import OPENED, VALVE
 from ..assessment.friction.losses import describe_content, list_losses, name_outside
 from ..assessment.lost_contact import LIGHT
 from ..assessment.motion import Found, Part
-from ..assessment.trains import Angle, Train, find_kinematics
+from ..assessment.trains import OPEN, Angle, Train, find_kinematics
 from .data import FigureData
 from .style import (
     ACCENT,
@@ -45,8 +45,6 @@ CONTACT = {
 }
 SLIDING = ("Sliding velocity", "Friction")
 HYDRAULIC = {"Adjuster\nextension": "extension", "Adjuster\npressure": "pressure"}
-# What a run may lack of a revolution.
-OPEN = 0.01
 PALE = "#c3ccd5"
 # Which rows are drawn where there is no whole revolution.
 WHOLE = "the whole run"
@@ -98,7 +96,7 @@ def draw(data: FigureData) -> Figure:
     _add_kinematics(by_words, own, train)
     place = f" in {which.partition(' of ')[0]}" if which.startswith("revolution") else ""
     _add_margin(by_words["Spring force"], own, train, place)
-    _magnify_seat(by_words["Lift, magnified"], own, train)
+    _magnify_seat(by_words["Lift, magnified"], own, train, place)
     _remark_adjuster(by_words, own, train, data, place)
     losses = [loss for loss in list_losses(train.system) if loss.part in train.parts]
     if losses and "Cam torque" in by_words:
@@ -227,7 +225,7 @@ def _add_kinematics(panels: Mapping[str, Axes], data: FigureData, train: Train) 
         )
 
 
-def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
+def _magnify_seat(ax: Axes, data: FigureData, train: Train, place: str) -> None:
     """The ramps: lifts up to a share of the largest, and what a landing does there."""
     top = OPENED * 1e3 * float(np.max(data.coupled[f"{train.cam}.cam_lift"]))
     dip = 1.1e3 * float(np.min(data.coupled[f"{train.valve}.position"]))
@@ -235,7 +233,7 @@ def _magnify_seat(ax: Axes, data: FigureData, train: Train) -> None:
         ax.set_ylim(min(-0.15 * top, dip), top)
     velocity, landing = _measure(data, train, "seating_velocity")
     if landing is not None:
-        where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°"
+        where = f"seats with {velocity:.3g} m/s at {data.x()[landing]:.1f}°{place}"
         ax.plot(data.x()[landing], 0.0, "v", color=ACCENT, ms=5)
         write_remark(ax, where)
 

@@ -139,6 +139,7 @@ def render(template: str, **values: Any) -> str:
     environment = jinja2.Environment(
         autoescape=True, undefined=jinja2.StrictUndefined, loader=jinja2.FunctionLoader(_read_asset)
     )
+    environment.filters["number"] = lambda x, text, factor=1.0: "" if x is None else text % (factor * x)
     return environment.get_template(template).render(**values, style=Markup(_read_asset("report.css")))
 
 

@@ -161,8 +161,9 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
     for line in ((f"{summary.scenario}: ", summary.verdict), summary.largest_error):
         if line:
             reporter.line(line)
-    for warning in list_warnings(summary):
-        reporter.line(warning)
+    if doubts := list_warnings(summary):
+        places = dict.fromkeys(doubt.removeprefix(WARNING).partition(": ")[0] for doubt in doubts)
+        reporter.line(f"{WARNING}{', '.join(places)}: doubted as said at the start, see summary.csv")
     report = out / REPORT
     place = f"report in {format_path(report)}" if report.exists() else f"results in {format_path(out)}"
     reporter.line(f"{place}, after {summary.wall_time_s:.1f} s")

@@ -30,7 +30,7 @@ from .values import WARNING, Faults, Inserted
 if TYPE_CHECKING:
     from models.valve_train.cams.smoothing import SmoothedLift
 
-# A base circle is off by no more than this part of the largest lift.
+# A base circle, and a row from its neighbours, is off by no more than this part of the largest lift.
 OFF = 0.02
 # Lifts up to this part of the largest are on the base circle.
 ROUND = 1e-3
@@ -94,9 +94,9 @@ class LiftTable:
         return smoothed
 
     def _check_row(self, angle: float, deviation: float) -> None:
-        """Refuse the row at this angle where it is off the others by more than they lift."""
+        """Refuse the row at this angle where it is off the others by more than a cam may be."""
         largest = float(self.lift[self.angle != angle].max())
-        if abs(deviation) > largest:
+        if abs(deviation) > OFF * largest:
             self._refuse_row(angle, deviation, largest)
 
     def _refuse_row(self, angle: float, deviation: float, largest: float) -> NoReturn:
@@ -149,7 +149,10 @@ class LiftTable:
 
     def _doubt_accuracy(self, smoothed: SmoothedLift) -> str:
         share = smoothed.curvature_error / float(np.abs(smoothed.points.curvature).max())
-        doubt = f"the acceleration may be off by {100.0 * share:.0f} % of its largest value"
+        doubt = (
+            f"the acceleration may be off by {100.0 * share:.0f} % of its largest value, and so may the "
+            "force of inertia in loads, pressures, spring margin and speed of separation"
+        )
         doubt *= share > UNCERTAIN
         if smoothed.doubtful:
             angle, deviation = smoothed.doubtful

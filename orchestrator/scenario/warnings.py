@@ -48,6 +48,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *list_doubtful(scenario),
         *_list_still(scenario),
         *_list_idle(scenario),
+        *_list_held_open(scenario),
         *_list_notes(scenario),
         *doubt_oils(scenario),
         *_list_unloaded(scenario),
@@ -111,6 +112,16 @@ def _list_idle(scenario: Scenario) -> Iterator[str]:
                 f"{' or '.join(rule.parameters)} is {wanted}; "
                 + (f"give components.{name}.{rule.instead}" if rule.instead else "leave it out")
             )
+
+
+def _list_held_open(scenario: Scenario) -> Iterator[str]:
+    """Doubt valves that their lash keeps open."""
+    for name, table in scenario.components.items():
+        lash = float(table.parameters.get("lash", 0.0)) if table.resolve().has_role(roles.Valve) else 0.0
+        if lash < 0.0:
+            held = f"{-1e3 * lash:.6g} mm"
+            said = f"the cam holds the valve open by {held} on its base circle; is it meant?"
+            yield f"components.{name}.parameters.lash = -{held}: {said}"
 
 
 def _list_notes(scenario: Scenario) -> list[str]:

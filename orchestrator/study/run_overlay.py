@@ -59,7 +59,7 @@ def read_merits(folder: Path) -> dict[str, dict[str, str]]:
     if not path.is_file():
         return {}
     with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["part"]]  # others are what is doubted
+        rows = [row for row in csv.DictReader(file) if row["value"]]  # others are what is doubted
     return {f"{row['part']}: {row['figure of merit']}": row for row in rows}
 
 

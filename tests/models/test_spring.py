@@ -102,6 +102,21 @@ def test_coils_clash_at_the_end_of_their_travel():
     assert force(9.1e-3) == pytest.approx(330.0 + K0 * 9.1e-3 + 1e7 * excess, rel=1e-9)
 
 
+@pytest.mark.parametrize("masses", [1, 2, 6, 20])
+def test_the_travel_left_to_coil_bind_is_the_clearance_less_the_lift(masses):
+    """At rest, for any number of coil masses, of both kinds of springs."""
+    clearance, lift, share = 11.5e-3, 9.37e-3, lumping(masses)
+    uneven = lift * (1.0 - 1.0 / share.end_rate - np.arange(masses) / share.inner_rate)
+    even = lift * (1.0 - np.arange(1, masses + 1) / (masses + 1))
+    rigid, apart = ({f"coil_position[{i}]": y for i, y in enumerate(c, 1)} for c in (uneven, even))
+    whole = outputs_of(
+        CATALOGUE["valve_spring"](masses), {"clash_clearance": clearance}, {"position": lift} | rigid
+    )
+    gaps = {f"gap[{i + 1}]": clearance / (masses + 1) for i in range(masses + 1)}
+    coil = outputs_of(CATALOGUE["coil_spring"](masses + 1), gaps, apart, {"position": lift})
+    assert [one["least_gap"] for one in (whole, coil)] == pytest.approx([clearance - lift] * 2, abs=1e-15)
+
+
 # A third of the coils, those at the head, closes at 6 mm.
 TWO_RATE = {"spring_rate": 30e3, "surge_frequency": 456.4355, "preload": 0.0, "stop_stiffness": 1e11}
 TWO_RATE |= {"damping_ratio": 0.0, "stop_damping": 0.0}

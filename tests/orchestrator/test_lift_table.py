@@ -169,11 +169,12 @@ def test_uneven_and_coarse_tables_without_errors_but_rounding_are_not_doubted(se
         (lift(ANGLES) + 39.3 * (ANGLES == 150.0), r"150 deg lifts by 41.\d+ mm, 38.8 mm off .* at most 8 mm"),
         (lift(ANGLES) - 39.3 * (ANGLES == 150.0), "150 deg lifts by -.* mm, -39.* mm off the others"),
         *((lift(ANGLES) + 39.3 * np.isin(ANGLES, (150.0, x)), "off the others") for x in (151.0, 220.0)),
+        (lift(ANGLES) + 0.3 * (ANGLES == 150.0), "150 deg lifts by .* mm, 0.297 mm off the others"),
         (lift(ANGLES) + 393.0 * (ANGLES == 150.0), "at 150 deg, but .*; correct .*, or this row"),
     ],
 )
 def test_lifts_of_no_cam_are_refused_with_their_remedy(tmp_path, lifts, message):
-    """Radii, lifts downwards, and a row that is off the others by more than they lift."""
+    """Radii, lifts downwards, and a row that is off the others by more than 2 % of their lift."""
     with pytest.raises(AngleTableError, match=message):
         read(tmp_path, lifts=lifts).smooth()
 
@@ -230,7 +231,7 @@ def test_coarse_and_rounded_tables_have_the_acceleration_of_their_cam(tmp_path, 
 
 
 @pytest.mark.parametrize("spacing", [1.0, 2.0])
-@pytest.mark.parametrize("error", [-0.2, 0.2])
+@pytest.mark.parametrize("error", [-0.15, 0.15])
 @pytest.mark.parametrize("degrees", [-58.0, -30.0, 0.0, 44.0])
 def test_a_typing_error_is_named_by_its_row(tmp_path, spacing, error, degrees):
     angles = np.arange(-90.0, 91.0, spacing)
@@ -333,14 +334,14 @@ def test_a_run_says_what_it_read(tmp_path):
 
 
 def test_a_run_repeats_beside_its_verdict_what_is_doubted_of_its_table(tmp_path, capsys):
-    write(tmp_path / "cam.csv", lifts=lift(ANGLES) - 2.0 * (np.abs(ANGLES - 150.0) < 0.1))
+    write(tmp_path / "cam.csv", lifts=lift(ANGLES) - 0.1 * (np.abs(ANGLES - 150.0) < 0.1))
     notices = list_warnings(load(write_scenario(tmp_path)))
     (doubt,) = [line for line in notices if line.startswith("warning: components.camshaft: the row at 150")]
     summary = Summary("x", "", "", {}, 1e-5, True, {}, complete=True, verdict="within", notices=notices)
     _print_end(summary, tmp_path, [], Reporter())
     told = " ".join(capsys.readouterr().out.split())
-    assert told.index("x: within") < told.index(doubt)
-    assert not any(line in told for line in notices if line != doubt)
+    assert told.index("x: within") < told.index("warning: components.camshaft: doubted as said at the start")
+    assert not any(line in told for line in notices), doubt
 
 
 def test_a_table_that_ends_above_the_base_circle_is_refused(tmp_path):

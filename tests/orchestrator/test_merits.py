@@ -27,7 +27,7 @@ from orchestrator.assessment.merits import (
     write_merits,
 )
 from orchestrator.assessment.motion import Motion
-from orchestrator.assessment.trains import Angle, find_degrees
+from orchestrator.assessment.trains import Angle, find_degrees, find_turns
 from orchestrator.run.summary import Summary
 from orchestrator.scenario.display import show
 from orchestrator.scenario.files import load
@@ -75,8 +75,10 @@ def told(**changed: Vector) -> str:
 def test_a_run_says_first_whether_its_valve_follows_lands_and_what_it_bears():
     assert told() == (
         "valve: spring margin 75 % (least load on the open valve over the force of its springs); "
-        "hardest seating 0.25 m/s at cam 239.9 deg; does not bounce; no clash of coils, least gap 0.2 mm; "
+        "hardest seating 0.25 m/s at cam 239.9 deg; does not bounce; "
+        "no clash of coils, 0.2 mm of travel left to coil bind; "
         "highest pressure 500 MPa in contact; least film ratio 0.5 in contact; "
+        "at the nose 500 MPa, film ratio 0.5 in contact; "
         "friction 24 W in the mean of the run: 0 W in the motion, 24 W outside, of "
         "cam contact (contact), rolling (contact)"
     )
@@ -112,6 +114,7 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
     [
         ({"contact__load": 9.0 * (abs(ANGLE - np.pi) > np.pi / 60.0)}, "contact is lost in 1.67 % of"),
         ({"valve__seat_dip": np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP}, "bounces by 29 µm"),
+        ({"valve__seat_dip": -0.114e-3 - LIFT}, "; never closes, held open by 0.114 mm;"),
         ({"spring__clash_force": 45.0 * LIFT / 8e-3}, "coils of spring clash with up to 45 N"),
     ],
 )  # fmt: skip
@@ -129,6 +132,15 @@ def test_what_came_after_the_last_row_of_a_run_that_broke_off_has_its_own_angle(
         np.testing.assert_allclose(np.radians(found), [0.5, 3.0, 4.0])
 
 
+@pytest.mark.parametrize(
+    ("first", "turned", "turns"), [(0.0, 1.0, []), (0.0, 2.0, [1, 2]), (0.3, 2.0, [0, 1])]
+)
+def test_places_of_a_run_of_several_revolutions_have_theirs(first, turned, turns):
+    """Whole ones count from 1, as in the figure of the train."""
+    rows = {"time": np.arange(3.0), "cam.angle": 2.0 * np.pi * (first + turned * np.array([0.0, 0.5, 1.0]))}
+    assert find_turns(Angle("cam_angle", "cam.angle"), [0.5, 1.5], rows.__getitem__) == turns
+
+
 def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_path):
     """To the six digits of the table."""
     read = read_columns(valve__seat_dip=np.where(LIFT > 1e-9, -LIFT, 1e-6) - HOP)
@@ -136,6 +148,7 @@ def test_one_run_has_the_same_figures_in_print_in_its_table_and_as_a_cycle(tmp_p
     write_merits(SYSTEM, merits, [], read, tmp_path / "summary.csv")
     rows = csv.DictReader((tmp_path / "summary.csv").read_text("utf-8-sig").splitlines())
     table = {(row["part"], row["figure of merit"]): float(row["value"]) for row in rows}
+    assert table["all parts", "mean friction power"] == pytest.approx(24.0, rel=1e-5)
     inputs, outputs = (
         np.transpose([read_motion(SYSTEM, read).column(name) for name in layout.names])
         for layout in (SYSTEM.inputs, SYSTEM.outputs)
@@ -342,8 +355,9 @@ def test_each_number_has_its_unit_angle_time_and_speed(tmp_path):
     head, *rows = csv.reader(text.decode("utf-8-sig").splitlines())
     assert tuple(head) == HEAD
     found = {(row[0], row[1]): row[2:] for row in rows}
-    assert rows[0] == ["", "warning: a row", *[""] * 7]
+    assert rows[-2][:4] == ["all parts", "mean friction power", "0", "W"]
+    assert rows[-1] == ["run", "warning", *[""] * 7, "warning: a row"]
     force = found["valve_spring", "largest spring force"]
-    assert force == ["500", "N", "108.00", "cam", "18", "1000", ""]
+    assert force == ["500", "N", "108.00", "cam", "18", "1000", "", ""]
     lift = found["valve_spring", "largest lift"]
     assert (float(lift[0]), lift[1]) == (pytest.approx(8.0), "mm")

@@ -77,7 +77,8 @@ class ContactSummary:
     valve (`seated`) the least load is that while the cam lifts, elsewhere that of the whole time.
     `yielding` is the share of the time above the `elastic_limit` (Pa).
     `longest_step` (s): extremes were looked for at least that often. `angles` (deg) of the times are of the
-    shaft's `angle_of`, such as cam_angle; "" where none is known.
+    shaft's `angle_of`, such as cam_angle; "" where none is known. `turns` are its revolutions, from 1; none
+    of a run of one.
     """
 
     least_load: float
@@ -102,6 +103,7 @@ class ContactSummary:
     solved: bool = False
     angle_of: str = ""
     angles: dict[str, float] = field(default_factory=dict)
+    turns: dict[str, int] = field(default_factory=dict)
     least_load_time: float = 0.0
     at_rest: float = 0.0
     on_ramps: float = 0.0

@@ -1,7 +1,7 @@
 """What contacts went through, in sentences."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from models.contact.records import ATOM
 from models.core.words import tally
@@ -36,6 +36,8 @@ GROUPS = {
 OFF = "0.6 to 3.2 times the solved one in valve-train"
 # Of more contacts only those with the thinnest films have lines of their own.
 SHOWN = 4
+# A Hertz pressure (Pa) that dents bearing steel: ISO 76 has 4.0 GPa for rollers.
+STEEL = 4e9
 # A film feeds vibrations where the motion keeps this share of the power that goes to and fro through it, and
 # this coefficient of rolling friction would be needed to take it. Trains that follow their cams stay below
 # 0.13 and 2e-5; one that bounced by work of its film had 0.7 and 4e-4.
@@ -88,17 +90,25 @@ def list_details(summaries: ContactSummaries, source: str) -> list[str]:
     return [*details, f"extremes of contacts are those of {source}, {longest} apart at most"]
 
 
+def name_turn(turns: Sequence[int]) -> str:
+    """The first of these revolutions, behind an angle."""
+    return f" of revolution {turns[0]}" if turns else ""
+
+
 def _write_lines(summary: ContactSummary) -> Iterator[str]:
     def at(key: str) -> str:
         shaft = summary.angle_of.removesuffix("_angle")
         known = key in summary.angles
-        return f"{shaft} {summary.angles[key]:.1f} deg" if known else f"t = {summary.times()[key]:.6g} s"
+        if not known:
+            return f"t = {summary.times()[key]:.6g} s"
+        turn = name_turn([summary.turns[key]] if key in summary.turns else [])
+        return f"{shaft} {summary.angles[key]:.1f} deg{turn}"
 
     when = " while the cam lifts" if summary.seated else ""
     whole = "" if summary.seated else " of the whole run"
     text = f"kept{when}, least load{whole} {summary.least_load:.4g} N at {at('least_load')}"
     if summary.least_load == math.inf:
-        text = "the cam does not lift"
+        text = "the cam stays on its base circle and ramps, where no least load is judged"
     if summary.separation:
         text = f"lost{when}, in {100.0 * summary.lost:.3g} % of the time"
     text += f"; highest load {format_number(summary.largest_load)} N at {at('largest_load')}"
@@ -143,10 +153,13 @@ def _name_causes(group: str, one: Excursion) -> str:
 def _warnings(name: str, summary: ContactSummary, fixed_steps: bool) -> Iterator[str]:
     if summary.pressure > summary.elastic_limit:
         pressure, limit = f"{1e-6 * summary.pressure:.4g} MPa", f"{1e-6 * summary.elastic_limit:.4g} MPa"
+        cure = f"lower the load, or set components.{name}.parameters.elastic_limit to the material's"
+        if summary.pressure > STEEL:
+            cure = f"no steel bears more than {1e-6 * STEEL:g} MPa: look for a slip in speed, masses or radii"
         yield (
             f"the pressure reaches {pressure} at t = {summary.pressure_time:.6g} s, above the elastic limit "
             f"of {limit} ({_percent(summary.yielding)} % of the time): the bodies yield, which is not "
-            f"computed; lower the load, or set components.{name}.parameters.elastic_limit to the material's"
+            f"computed; {cure}"
         )
     if summary.film_feed > FED and summary.film_friction > ROLLING:
         cure = f"compare with components.{name}.parameters.film_model = 'dowson_toyoda'"

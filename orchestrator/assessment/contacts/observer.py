@@ -16,7 +16,7 @@ from ...engine.step import Step
 from ...participants.compiled_calls import CALLS, FINE, CompiledCalls
 from ...participants.protocol import Participant
 from ...store.json_codec import Plain
-from ..trains import find_angle, find_degrees, find_train
+from ..trains import find_angle, find_degrees, find_train, find_turns
 from .accumulation import INPUTS, LIFT, OUTPUTS, observe
 from .contact_summary import Accumulator, ContactSummaries, contacts
 
@@ -93,6 +93,7 @@ def with_angles(
             times = summary.times()
             turned = find_degrees(angle, list(times.values()), column)
             angles = dict(zip(times, turned.tolist(), strict=True))
-            summary = replace(summary, angle_of=angle.name, angles=angles)
+            turns = dict(zip(times, find_turns(angle, list(times.values()), column), strict=False))
+            summary = replace(summary, angle_of=angle.name, angles=angles, turns=turns)
         found[name] = summary
     return found

@@ -87,7 +87,7 @@ class Limits(Table):
     peak_pressure: Annotated[Size, _limit("Pa", "600 MPa")] = OWN
     # Of each contact while the cam lifts.
     least_load: Annotated[Size, _limit("N", "50 N")] = FREE
-    # Between coils of springs.
+    # Travel left to coil bind, of each spring.
     least_gap: Length = FREE
     # Least film over roughness of the cam's contact, during the event.
     least_film_ratio: Annotated[Size, _limit("1", "0.8")] = OWN

@@ -165,7 +165,7 @@ def load_limit(
 
 
 def gap_limit(name: str, column: str, speed: float, least: float) -> Limit:
-    """Coils keep at least this gap (m)."""
+    """Springs keep at least this travel (m) to coil bind."""
     return Limit(name, least, lambda q, size: (size - q.low) / least, column, speed)
 
 

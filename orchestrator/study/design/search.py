@@ -252,7 +252,7 @@ class Search:
                     excesses[f"pressure in {name} {at}"] = pressure / self.wanted.pressures[name] - 1.0
             for name, least in self.wanted.gaps.items():
                 gap = float(cycle[f"{name}.least_gap"].min())
-                excesses[f"gap of {name} {at}"] = (least - gap) / max(abs(least), 1e-4)
+                excesses[f"coil bind of {name} {at}"] = (least - gap) / max(abs(least), 1e-4)
             if self.wanted.film and speed not in self.wanted.idle:
                 ratios = self.train.film_ratios(cycle.__getitem__)
                 excesses[f"film ratio {at}"] = 1.0 - float(np.nanmin(ratios)) / self.wanted.film
@@ -384,7 +384,7 @@ class Search:
                 f"film ratio {at}", f"{first}.film_ratio", speed, wanted.film, ratios, touch.entraining
             )
         for name, gap in wanted.gaps.items():
-            yield gap_limit(f"gap of {name} {at}", f"{name}.least_gap", speed, gap)
+            yield gap_limit(f"coil bind of {name} {at}", f"{name}.least_gap", speed, gap)
 
     def solve(self, model: Model, x: Vector, box: float, starts: int) -> Optimum:
         """The best optimum of the model within the box around `x`, from `starts` places in it."""

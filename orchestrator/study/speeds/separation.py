@@ -50,8 +50,10 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
     speeds = table["speed"].values
     if not lost.any():
         return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
+    place = name_lost(table.isel(speed=int(np.argmax(lost))))
     if lost[0]:
-        return Separation(None, None, f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed")
+        said = f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed{place}"
+        return Separation(None, None, said)
     count = (1 + bool(on_nose.any())) * _count_halvings(speeds)
     try:
         with _find_losses(subject, "speed of separation", count, reporter) as (is_lost, unsteady):
@@ -63,8 +65,15 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
         return Separation(None, None, f"the speed of separation was not found: {error}")
     again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
     kept = f", and kept again at {list_speeds(again)}" if again.size else ""
-    text = f"contact is lost from {speed:.1f} r/min{kept}{_describe_place(table, speed, nose)}"
+    text = f"contact is lost from {speed:.1f} r/min{place}{kept}{_describe_place(table, speed, nose)}"
     return Separation(round(speed, 2), nose and round(nose, 2), text + _doubt(unsteady))
+
+
+def name_lost(at: xarray.Dataset) -> str:
+    """The contacts that are lost at a speed, after "in"; of a train with one contact nothing."""
+    shares = list_shares(at)
+    names = [name.removesuffix(".lost") for name in shares if at[name] > 0.0]
+    return f" in {', '.join(names)}" if names and len(shares) > 1 else ""
 
 
 def list_speeds(speeds: Vector) -> str:

@@ -24,7 +24,7 @@ from ...assessment.adjusters import describe_over_speed
 from ...assessment.contacts.lines import FED
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
-from ...assessment.lost_contact import find_lost
+from ...assessment.lost_contact import find_lost, list_shares
 from ...assessment.trains import list_parts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
@@ -48,6 +48,7 @@ from .separation import (
     find_second,
     find_separation,
     list_speeds,
+    name_lost,
 )
 from .subject import SPEED, SpeedSubject, count_turns, cycle_path, find_flywheel
 
@@ -206,11 +207,14 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed."""
     columns, lost = select_columns(table), find_lost(table)
     heads = (head for head, _, _ in columns)
-    marked = Column("cycle", no_wrap=True)
-    shown = Table("r/min", *heads, marked, title="Steady cycles", title_justify="left", padding=0)
+    marked = Column("cycle", no_wrap=not list_shares(table)[1:])
+    parts = dict.fromkeys(name.rpartition(".")[0] for _, name, _ in columns)
+    title = f"Steady cycles: columns are of {', '.join(parts)}"
+    shown = Table("r/min", *heads, marked, title=title, title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
-        marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
+        place = name_lost(table.isel(speed=i))
+        marks = {f"contact lost{place}": lost[i], "not steady": table["change"][i] > STEADY}
         found = ", ".join(text for text, holds in marks.items() if holds) or "steady"
         shown.add_row(f"{speed * RPM:.0f}", *cells, found)
     reporter.console.print(shown)
