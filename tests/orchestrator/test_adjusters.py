@@ -111,9 +111,9 @@ def test_a_run_tells_of_pressure_leak_check_valve_and_seat():
     read = read_columns()
     (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
     assert line == (
-        "adjuster: highest chamber pressure 9 MPa at cam 180.0 deg; leaks 47.1 µm in a turn, and is at most "
-        "70 µm shorter; its check valve, open in 2.5 % of the turn, lets 47.2 µm in, most at cam 270.0 deg; "
-        "does not pump up; the seat bears 310 N on the base circle"
+        "adjuster: highest chamber pressure 9 MPa at cam 180.0 deg of revolution 1; leaks 47.1 µm in a turn, "
+        "and is at most 70 µm shorter; its check valve, open in 2.5 % of the turn, lets 47.2 µm in, most at "
+        "cam 270.0 deg of revolution 2; does not pump up; the seat bears 310 N on the base circle"
     )
 
 
@@ -153,7 +153,8 @@ def test_bodies_that_leave_the_plunger_are_told_with_gap_angle_speed_and_time():
     read = read_columns(**changed)
     (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
     assert line.endswith(
-        f"; bodies leave its plunger by up to 300 µm at cam 234.0 deg, 1000 r/min and t = 0.099 s: {UNHELD}"
+        "; bodies leave its plunger by up to 300 µm at cam 234.0 deg of revolution 2, 1000 r/min and "
+        f"t = 0.099 s: {UNHELD}"
     )
 
 
