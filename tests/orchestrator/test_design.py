@@ -71,6 +71,13 @@ def optimise(model: Model, start: Vector) -> Optimum:
     return maximise(Problem(model.evaluate, start - big, start + big, model.scale), start)
 
 
+def test_cycles_of_a_search_have_the_base_circle_of_the_scenario() -> None:
+    """That of points has another default than that of the scenario's law."""
+    train = open_train(read_changed("valve-train"), 12)
+    of_cycles = list_parameters(train.subject.scenario)["camshaft.base_radius"]
+    assert of_cycles == train.lobe.kind.geometry.base_radius
+
+
 @pytest.mark.parametrize(("up", "down"), [(0.03, 0.03), (0.06, 0.02)])
 def test_largest_area_under_bounds_of_acceleration_is_bang_bang(up: float, down: float) -> None:
     """Pontryagin: acceleration A outside, -D in the middle, over w = T A/(A + D); the area is

@@ -221,7 +221,8 @@ def open_train(
     kind = read_cam(scenario.components[cam])
     begin, end = find_event(kind, event)
     lobe = Lobe(kind, begin, end, count, symmetric)
-    subject = SpeedSubject(put_points(own, cam, sample_cam(kind)), flywheel)
+    points = put_points(own, cam, sample_cam(kind), kind.geometry.base_radius)
+    subject = SpeedSubject(points, flywheel)
     return DesignedTrain(scenario, subject, cam, lobe, wires=dict(list_wires(own)))
 
 

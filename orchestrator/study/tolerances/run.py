@@ -58,7 +58,8 @@ def make_subject(tables: Mapping[str, Any], tolerances: Tolerances) -> tuple[Tol
     make_design(tolerances, scenario)
     given, running = to_full_toml(scenario), dict(tables)
     for cam in tolerances.grinding:
-        running = put_points(running, cam, sample_cam(read_cam(scenario.components[cam])))
+        kind = read_cam(scenario.components[cam])
+        running = put_points(running, cam, sample_cam(kind), kind.geometry.base_radius)
     text = to_full_toml(build_scenario(running)) if tolerances.grinding else given
     return ToleranceSubject(given, text, flywheel, speed, tolerances.model_dump_json()), limits
 
