@@ -294,7 +294,10 @@ CONTACT: Mapping[str, Figure] = {
         Quantity("W", "mean power that the growing film gives to the motion"),
         _mean_power("load", "squeeze_velocity"),
     ),
-    "film_feed": (SHARE.of("share of the film's power that the motion keeps"), _film_feed),
+    "film_feed": (
+        SHARE.of("net over gross power of the squeezed film; above 0 it feeds vibrations"),
+        _film_feed,
+    ),
     "friction_power": (Quantity("W", "mean friction power"), _friction_power),
     "friction_torque": (Quantity("N.m", "mean friction power over the speed of the cam"), _friction_torque),
 }

@@ -39,6 +39,8 @@ from .interruption import tell_interruption
 from .plan import Plan
 from .summary import FAILED, INTERRUPTED, Summary
 
+# Letters in a printed line, from which on its facts go on in another one.
+WIDE = 110
 PACKAGES = ("tribocosim", "numpy", "scipy", "numba", "scikit-sundae", "fmpy", "pythonfmu")
 
 
@@ -151,7 +153,8 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
         if told and not summary.whole:
             reporter.line("what follows is of a run that broke off, up to there:")
     for line in told:
-        reporter.line(line)
+        for part in fold(line):
+            reporter.line(part)
     if summary.witness:
         reporter.console.print(_tabulate_witness(summary.witness))
     if reporter.verbose:
@@ -167,6 +170,18 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
     report = out / REPORT
     place = f"report in {format_path(report)}" if report.exists() else f"results in {format_path(out)}"
     reporter.line(f"{place}, after {summary.wall_time_s:.1f} s")
+
+
+def fold(words: Words) -> Iterator[str]:
+    """Facts between semicolons, as many in a line as have room; further lines are indented."""
+    line, *groups = in_command_line(words).split("; ")
+    for group in groups:
+        if len(line) + len(group) > WIDE:
+            yield f"{line};"
+            line = f"  {group}"
+        else:
+            line += f"; {group}"
+    yield line
 
 
 def _print_details(summary: Summary, out: Path, written_files: Sequence[Path], reporter: Reporter) -> None:

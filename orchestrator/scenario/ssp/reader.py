@@ -221,8 +221,9 @@ def _build_defaults(found: Structure, fmus: Mapping[Place, Path], where: str) ->
     stop = found.experiment.get("stopTime") or max((one.stop or 0.0 for one in about), default=0.0)
     if not stop:
         raise ScenarioError(f"{where}: nothing says when it ends; give its DefaultExperiment a stopTime")
+    told = found.name != "ssp" and re.search(r"\w", found.name)  # as Dymola calls them all
     content = {
-        "name": re.sub(r"[^\w .-]", "_", found.name) if re.search(r"\w", found.name) else "ssp",
+        "name": re.sub(r"[^\w .-]", "_", found.name if told else Path(where).stem),
         "description": " ".join(found.description.split()),
         "stop_time": stop,
         "macro_step": min(_find_step(found, about) or stop / STEPS, stop),
