@@ -76,7 +76,7 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(name, seed, kills
 def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tmp_path):
     tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
     scenario = load("slider-crank", ["start=equilibrium", *tilted])
-    with pytest.raises(ModelError, match=r"slider_crank\.psi = 0\.02 rad"):
+    with pytest.raises(ModelError, match=r"slider_crank\.start\.psi = 0\.02 rad"):
         run(scenario, tmp_path / "out", build_fmu, quiet(), figures=False)
     assert not (tmp_path / "out").exists()
 
