@@ -398,7 +398,6 @@ Status instance_get(Instance *instance, Kind kind, const uint32_t *references, s
         values[i] = at < DX_AT       ? instance->now.data[at]
                     : at < GUARDS_AT ? instance->dx[at - DX_AT]
                                      : instance->guards[at - GUARDS_AT];
-        if (at >= DX_AT && !isfinite(values[i])) return instance_undefined(instance, at, values[i]);
     }
     return OK;
 }

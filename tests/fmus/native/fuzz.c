@@ -79,8 +79,12 @@ static int in_exchange(int f, const char **wrong)
         }
         return (int)SetContinuousStates(at->unit, some, count);
     case AT_GetContinuousStates: return (int)GetContinuousStates(at->unit, some, count);
-    case AT_GetContinuousStateDerivatives: return (int)GetContinuousStateDerivatives(at->unit, some, count);
-    case AT_GetEventIndicators: return (int)GetEventIndicators(at->unit, some, count);
+    case AT_GetContinuousStateDerivatives: case AT_GetEventIndicators:
+        if (f == AT_GetEventIndicators) status = (int)GetEventIndicators(at->unit, some, count);
+        else status = (int)GetContinuousStateDerivatives(at->unit, some, count);
+        for (size_t i = 0; i < count && !*wrong; i++)
+            if (!isfinite(reals[i])) *wrong = "no finite value";
+        return status;
     default: return (int)GetNominalsOfContinuousStates(at->unit, some, count);
     }
 }
