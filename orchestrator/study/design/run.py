@@ -64,23 +64,15 @@ CLOSE = 1e-3
 
 
 class _Cycles:
-    """The motions of a scenario at speeds (rad/s), each found once; a bar shows the share of about `count`.
-
-    The search begins with the last state of the steady cycle at the nearest speed.
-    """
+    """The motions of a scenario at speeds (rad/s), each found once; a bar shows the share of about `count`."""
 
     def __init__(self, finder: CycleFinder, bar: Bar, count: int) -> None:
         self._finder, self._bar, self._count = finder, bar, count
         self._found: dict[float, Motion] = {}
-        self._ends: dict[float, Vector] = {}
 
     def __getitem__(self, speed: float) -> Motion:
         if speed not in self._found:
-            nearest = min(self._ends, key=lambda one: abs(one - speed), default=speed)
-            cycle = self._finder.find({}, speed, self._ends.get(nearest))
-            if cycle.steady:
-                self._ends[speed] = cycle.end
-            self._found[speed] = to_motion(cycle, self._finder.subject.flywheel)
+            self._found[speed] = to_motion(self._finder.begin({}, speed), self._finder.subject.flywheel)
             self._bar.show(min(0.99, len(self._found) / self._count))
         return self._found[speed]
 

@@ -208,12 +208,12 @@ class Search:
         found: dict[float, Seen] = {}
         kept = self.kept(x)
         for speed in self.all_speeds(x):
-            near, cycle = speed, self.cycle(x, speed)
+            near, cycle = speed, self.train.simulate(x, speed)
             for _ in range(MOST_LOWER * (speed in kept)):
                 if not self.is_lost(cycle):
                     break
                 near *= LOWER
-                cycle = self.cycle(x, near)
+                cycle = self.train.simulate(x, near)
             watched = self.measured and speed in self.wanted.speeds
             figures = read_figures(self.to_motion(cycle), self.measured) if watched else {}
             found[speed] = Seen(near, cycle, figures, near)
@@ -225,14 +225,8 @@ class Search:
         lost = kept / LOWER
         for _ in range(HALVINGS):
             middle = 0.5 * (kept + lost)
-            kept, lost = (kept, middle) if self.is_lost(self.cycle(x, middle)) else (middle, lost)
+            kept, lost = (kept, middle) if self.is_lost(self.train.simulate(x, middle)) else (middle, lost)
         return kept
-
-    def cycle(self, x: Vector, speed: float) -> Cycle:
-        found = self.train.simulate(x, speed)
-        if not self.is_lost(found):
-            self.train.begin_with(found, speed)
-        return found
 
     def judge(self, x: Vector, seen: Mapping[float, Seen]) -> Found:
         """What the cycles say of the limits, and the cam of its own."""

@@ -51,7 +51,6 @@ class DesignedTrain:
     lobe: Lobe
     parameters: Mapping[str, float] = field(default_factory=dict)
     wires: Mapping[str, WireLength] = field(default_factory=dict)
-    _ends: dict[float, Vector] = field(default_factory=dict)
 
     @cached_property
     def finder(self) -> CycleFinder:
@@ -106,12 +105,7 @@ class DesignedTrain:
 
     def simulate(self, unknowns: Vector, speed: float) -> Cycle:
         """The steady cycle at a speed (rad/s)."""
-        nearest = min(self._ends, key=lambda one: abs(one - speed), default=speed)
-        return self.finder.find(self.settings(unknowns), speed, self._ends.get(nearest))
-
-    def begin_with(self, cycle: Cycle, speed: float) -> None:
-        """Further cycles at this speed begin with the last state of this one."""
-        self._ends[speed] = cycle.end
+        return self.finder.begin(self.settings(unknowns), speed)
 
     def read(self, column: Callable[[str], Vector], names: Sequence[str]) -> dict[str, Column]:
         """Outputs over the event's angles, in the last turn of the cam."""

@@ -48,7 +48,7 @@ class CycleFinder:
         try:
             return self._find(system, speed, start, samples)
         except ModelError:
-            return self._find(resolve_start(self.subject.scenario, system), speed, None, samples)
+            return self.begin(values, speed, samples)
 
     def measure(self, values: Mapping[str, float], speed: float) -> dict[str, float]:
         """The results of the cycle, as `measure_cycle` gives them."""
@@ -70,10 +70,15 @@ class CycleFinder:
         instances = {name: replace(one, parameters=changed[name]) for name, one in instances.items()}
         return self.system.with_instances(instances)
 
+    def begin(self, values: Mapping[str, float], speed: float, samples: int = SAMPLES) -> Cycle:
+        """The cycle with these values from where `SpeedSubject.find_cycle_at` begins it: of states that stay
+        as they have grown, such as a lash adjuster's, those of a scenario that is run alone."""
+        system = resolve_start(self.subject.scenario, self.change(values, speed))
+        return self._find(system, speed, None, samples)
+
     def _start(self, speed: float, samples: int) -> Vector:
         if (speed, samples) not in self._starts:
-            system = resolve_start(self.subject.scenario, self.change({}, speed))
-            self._starts[speed, samples] = self._find(system, speed, None, samples).end
+            self._starts[speed, samples] = self.begin({}, speed, samples).end
         return self._starts[speed, samples]
 
     def _find(self, system: System, speed: float, start: Vector | None, samples: int) -> Cycle:
