@@ -51,6 +51,8 @@ POINTS = 720
 # Half a step of differences (rad) for the jerk.
 STEP = 1e-5
 UNDERCUT = "undercut"
+# Points of a contour's file stand no farther apart (rad), which so many halvings of POINTS allow.
+APART, HALVINGS = math.radians(0.6), 6
 # A jump of s'' is more than this part of its largest value within twice this angle (rad).
 JUMP, NEAR = 1e-4, 1e-8
 
@@ -289,6 +291,19 @@ def _lift(values: Mapping[str, Any]) -> Callable[[float], float]:
     return lambda angle: profile.lift(angle).s
 
 
+def _write_contour(table: xarray.Dataset, values: Mapping[str, Any]) -> str:
+    """Of the table's angles, and between those whose points stand far apart, as where a flank is hollow."""
+    profile, (follower, geometry) = build_profile(values), build_follower(values["follower"], values)
+    angles = table["angle"].values
+    for _ in range(HALVINGS):
+        shape = trace_shape(angles, profile.lift, follower, geometry)
+        polar = np.unwrap(np.arctan2(shape.x, shape.y))
+        far = np.diff(polar, append=polar[0] + TURN) > APART
+        middles = angles + 0.5 * np.diff(angles, append=angles[0] + TURN)
+        angles = np.sort(np.append(angles, middles[far]))
+    return write_contour(shape.x, shape.y)
+
+
 def _write_lift(table: xarray.Dataset, values: Mapping[str, Any], unit: str) -> str:
     return write_lift(_lift(values), unit)
 
@@ -341,9 +356,7 @@ ANALYSIS = declare(
     texts={
         "svg": write_svg,
         "dxf": write_dxf,
-        "contour.csv": lambda table, values: write_contour(
-            table["contour_x"].values, table["contour_y"].values
-        ),
+        "contour.csv": _write_contour,
         "s96": lambda table, values: write_s96(_lift(values), build_profile(values).nose),
         **{f"{unit}.csv": partial(_write_lift, unit=unit) for unit in ("mm", "in")},
     },

@@ -78,9 +78,13 @@ def test_a_nose_at_zero_has_the_timing_of_one_at_half_a_turn(folder: Path, tmp_p
         assert found[name] == pytest.approx(expected[name], abs=1e-4), name
 
 
-@pytest.mark.parametrize("follower", ["flat", "roller"])
-def test_a_contour_that_is_read_lifts_its_follower_as_before(tmp_path: Path, follower: str) -> None:
-    """A spline through radii each half degree is off by less than 0.1 um."""
+@pytest.mark.parametrize(("follower", "points"), [("flat", 720), ("roller", 720), ("flat", 120)])
+def test_a_contour_that_is_read_lifts_its_follower_as_before(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, follower: str, points: int
+) -> None:
+    """A spline through radii each half degree is off by less than 0.1 um. Points of a table that are too far
+    apart to be read have others between them in the file."""
+    monkeypatch.setattr("orchestrator.analyses.cam.POINTS", points)
     values = ANALYSIS.complete(CAM | {"follower": follower})
     file = tmp_path / "bought.csv"
     file.write_text(ANALYSIS.texts["contour.csv"](ANALYSIS.table(values), values))

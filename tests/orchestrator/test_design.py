@@ -317,8 +317,8 @@ def test_a_cycle_that_fails_between_speeds_makes_the_step_smaller_and_ends_no_se
             raise ModelError("no step succeeds")
         return speed
 
-    lobe, ready = SimpleNamespace(angles=np.zeros(1), count=1), {"begin_with": lambda *_: None}
-    train: Any = SimpleNamespace(lobe=lobe, simulate=simulate, parameters=(), **ready)
+    lobe = SimpleNamespace(angles=np.zeros(1), count=1)
+    train: Any = SimpleNamespace(lobe=lobe, simulate=simulate, parameters=())
     wanted: Any = SimpleNamespace(speeds=[], objective=Objective())
     told: list[str] = []
     search = Parting(train, wanted, np.empty((0, 2)), 100.0, 1.0, told.append)

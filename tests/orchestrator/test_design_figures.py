@@ -3,7 +3,7 @@
 import math
 import re
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import MagicMock
@@ -14,6 +14,7 @@ import pytest
 import tribocosim
 from models.core.quantities import Vector
 from models.core.system import ModelError
+from models.monolithic.cycle import STEADY
 from models.valve_train.followers.mechanisms import Flat
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load, read_changed
@@ -199,7 +200,6 @@ def test_parameters_beside_the_lift_have_their_answers() -> None:
     assert train.given == {name: own[name] for name in bounds}
     x = np.append(train.lobe.start, list(train.given.values()))
     cycle = train.simulate(x, SPEED)
-    train.begin_with(cycle, SPEED)
     answer = train.answer(train.differentiate(x, cycle, True), cycle, SPEED, ["contact.load"])
     found = answer.gradients["contact.load"]
     assert found.shape == (train.lobe.angles.size, 18)
@@ -209,6 +209,24 @@ def test_parameters_beside_the_lift_have_their_answers() -> None:
     search = Search(train, wanted, np.array(list(bounds.values())), SPEED, 1.0, print)
     x[-2] = 0.022
     assert search.geometry(x) == Flat(0.022)
+
+
+def test_a_cycle_does_not_depend_on_the_speeds_that_were_looked_at_before(monkeypatch) -> None:
+    """A lash adjuster that grows at 2800 r/min would stay grown for tens of cycles."""
+    monkeypatch.setattr("orchestrator.study.speeds.finder.SAMPLES", 720)
+
+    def look(speeds: list[float]) -> Mapping[float, Vector]:
+        train = open_train(read_changed("roller-finger"), 30)
+        found = {}
+        for speed in speeds:
+            search = Search(train, Wanted({}, {}, {}, 0.0, [speed], []), np.zeros((0, 2)), speed, 1.0, print)
+            found[speed] = search.look(train.lobe.start)[speed].cycle["valve_spring.position"]
+        return found
+
+    up, down = look([slow := 168.0, fast := 293.0]), look([fast, slow])
+    assert up[fast].max() > up[slow].max() + 2e-4
+    for speed in (slow, fast):
+        assert down[speed] == pytest.approx(up[speed], abs=STEADY * np.ptp(up[speed]))
 
 
 def test_a_first_lift_has_the_limits_of_corners_that_bumps_cannot_follow() -> None:

@@ -9,7 +9,6 @@ import numpy as np
 import xarray
 
 from models.compile.temporary import TemporaryFolder
-from models.core.quantities import Vector
 
 from ...analyses._evaluate import create_folder, find_results
 from ...assessment.figures_of_merit import CONTACT
@@ -64,7 +63,7 @@ CLOSE = 1e-3
 
 
 class _Cycles:
-    """The motions of a scenario at speeds (rad/s), each found once; a bar shows the share of about `count`."""
+    """The motions of a scenario at speeds (rad/s), each found once; `bar` shows the share of `count`."""
 
     def __init__(self, finder: CycleFinder, bar: Bar, count: int) -> None:
         self._finder, self._bar, self._count = finder, bar, count

@@ -70,11 +70,11 @@ class CycleFinder:
         instances = {name: replace(one, parameters=changed[name]) for name, one in instances.items()}
         return self.system.with_instances(instances)
 
-    def begin(self, values: Mapping[str, float], speed: float, samples: int = SAMPLES) -> Cycle:
+    def begin(self, values: Mapping[str, float], speed: float, samples: int | None = None) -> Cycle:
         """The cycle with these values from where `SpeedSubject.find_cycle_at` begins it: of states that stay
         as they have grown, such as a lash adjuster's, those of a scenario that is run alone."""
         system = resolve_start(self.subject.scenario, self.change(values, speed))
-        return self._find(system, speed, None, samples)
+        return self._find(system, speed, None, samples or SAMPLES)
 
     def _start(self, speed: float, samples: int) -> Vector:
         if (speed, samples) not in self._starts:
