@@ -10,24 +10,27 @@ follower leaves the cam.
 """
 
 import json
-import tomllib
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from benchmarks.engines import FIRING_ORDER, SAME, build_engine, build_valve_train, list_phases
 from models.core.difference import difference, time_weights
 from models.core.system import System
 from models.monolithic import equilibrium, solve
+from models.monolithic.cycle import find_cycle
 from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
+from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 
 from .commands import called
 from .coupled import run_coupled, start_from, with_start
+
+FIRING_ORDER = 1, 3, 4, 2
 
 
 def run_short(system, steps, names=None):
@@ -42,8 +45,9 @@ def run_short(system, steps, names=None):
 @pytest.mark.parametrize("kind", ["intake", "exhaust"])
 def test_noses_come_in_firing_order_half_a_crank_turn_apart(kind):
     """A cam is at its nose (180 deg) when the crank has turned by 2 (180 - phase)."""
-    crank = [2.0 * (180.0 - list_phases()[f"{kind}_{cylinder}a"]) % 720.0 for cylinder in FIRING_ORDER]
-    np.testing.assert_allclose(np.diff(crank) % 720.0, 180.0)
+    parts = load("valve-train-16v").components
+    phases = [parts[f"tappet_{kind}_{cylinder}a"].parameters["phase"] for cylinder in FIRING_ORDER]
+    np.testing.assert_allclose(np.diff(-2.0 * np.degrees(phases)) % 720.0, 180.0)
 
 
 @pytest.mark.long
@@ -68,26 +72,35 @@ def test_camshafts_move_as_they_do_alone_and_give_way_to_their_followers():
         assert (moved.min(axis=1) < 0.0).all()
 
 
-def test_the_file_is_what_the_script_writes():
-    """Start values to what the script calls the same, twenty times what is not known of the cycle."""
-
-    def flat(table, path=""):
-        for key, value in table.items():
-            yield from flat(value, f"{path}{key}.") if isinstance(value, dict) else [(path + key, value)]
-
-    text = list_shipped()["valve-train-16v"].read_text("utf-8")
-    written, made = dict(flat(tomllib.loads(text))), dict(flat(build_valve_train()))
-    assert written.keys() == made.keys()
-    layout = build_system(load("valve-train-16v")).state
-    nominal = dict(zip(layout.names, layout.nominal, strict=True))
-    for key, value in made.items():
-        size = nominal.get(key.removeprefix("components.").replace(".start.", "."), 0.0)
-        expected = (
-            pytest.approx(value, rel=0.0, abs=SAME * (size + abs(value)))
-            if isinstance(value, float)
-            else value
-        )
-        assert written[key] == expected, key
+@pytest.mark.parametrize(
+    ("engine", "train"), [("valve-train-16v", "direct-acting-hla"), ("pushrod-engine", "qin2000-train")]
+)
+def test_trains_of_an_engine_start_in_the_cycle_that_they_have_alone(engine, train):
+    """On a rigid shaft. All have the parts and lines of that train, and differ by their phases and starts."""
+    whole, one = load(engine), load(train)
+    suffixes = [name.removeprefix("tappet") for name in whole.components if name.startswith("tappet_")]
+    lines, own = set(whole.connections), [line for line in one.connections if "flywheel" not in line]
+    speed, phases = 1000.0 * np.pi / 30.0, {}
+    for suffix in suffixes:
+        assert lines.issuperset(re.sub(r"(\w+)\.", rf"\1{suffix}.", line) for line in own)
+        parts = {name: whole.components[name + suffix] for name in one.components if name != "flywheel"}
+        for name, part in parts.items():
+            changed = {"start": part.start, "parameters": dict(part.parameters)}
+            if name == "tappet":
+                phase = changed["parameters"].pop("phase")
+            assert part.model_copy(update=changed) == one.components[name].model_copy(update=changed)
+            assert changed["parameters"] == one.components[name].parameters
+        phases[phase] = parts
+    for parts in phases.values():
+        content = one.model_dump(exclude_none=True)
+        content["components"] |= {name: part.model_dump(exclude_none=True) for name, part in parts.items()}
+        content["components"]["flywheel"]["parameters"] = {"motion": "prescribed", "initial_speed": speed}
+        system = build_system(build_scenario(content))
+        closed = {"start": system.x0, "tolerance": 1e-10, "steady": 1e-7}
+        end = find_cycle(system, 2.0 * np.pi / speed, ["flywheel.angle"], **closed).end
+        end[system.state.names.index("flywheel.angle")] -= 2.0 * np.pi
+        size = np.array(system.state.nominal) + np.abs(end)
+        np.testing.assert_array_less(np.abs(system.x0 - end), 1e-6 * size)
 
 
 @pytest.mark.parametrize(
@@ -106,10 +119,6 @@ def test_cylinders_turn_in_firing_order_and_as_they_do_alone(steps):
     for output in ("gas_3.gas_pressure", "piston_3.piston_offset"):
         np.testing.assert_array_equal(together[output], alone[output])
         assert np.ptp(alone[output]) > 0.0
-
-
-def test_the_engine_file_is_what_the_script_writes():
-    assert tomllib.loads(list_shipped()["engine-16v"].read_text("utf-8")) == build_engine()
 
 
 # Those with solved films or sixteen valves and pistons take many minutes.
