@@ -41,6 +41,9 @@ ROUGHEST = 0.1
 OVERLAP = 10.0
 SHORT, FINITE, GROOVED = 0.0, 1.0, 2.0
 IF_GROOVED = Condition(("film_model",), ("grooved",))
+GROOVE_ANGLE = kinds.ANGLE.of(
+    "from x to the middle of a groove; the other one is opposite", plausible=plausible.TURN, only=IF_GROOVED
+)
 # The search for the squeeze does not resolve narrower grooves. Pads are longer than a right angle.
 NARROWEST_GROOVE, WIDEST_GROOVE = math.radians(1.0), 0.5 * math.pi
 # Least L/D with grooves: narrower, the ends of the pads need closer steps.
@@ -64,11 +67,7 @@ class PlainBearingParameters:
         FINITE,
         choices=("short", "finite", "grooved"),
     )
-    groove_angle: float = kinds.ANGLE(
-        "from x to the middle of a groove; the other one is opposite",
-        plausible=plausible.TURN,
-        only=IF_GROOVED,
-    )
+    groove_angle: float = GROOVE_ANGLE.default()
     groove_width: float = kinds.ANGLE(
         "width of each groove",
         math.radians(20.0),

@@ -20,7 +20,7 @@ from ..core import roles
 from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
-from ..core.quantities import Quantity, Vector, layouts
+from ..core.quantities import Condition, Quantity, Vector, layouts
 from ..plausible import CLEARANCE, GAS_PRESSURE, PART_LENGTH, VOLUME
 from .shared import EndMotions
 
@@ -40,7 +40,9 @@ class Parameters:
         "Pa", "bulk modulus of the oil", nominal=1e9, positive=True, display_unit="MPa"
     ).default(1.5e9)
     air_content: float = kinds.NUMBER("volume of air in the oil at supply pressure", minimum=0.0, maximum=0.5)
-    air_exponent: float = kinds.NUMBER("polytropic exponent of the air", 1.4, minimum=1.0, maximum=2.0)
+    air_exponent: float = kinds.NUMBER(
+        "polytropic exponent of the air", 1.4, minimum=1.0, maximum=2.0, only=Condition(("air_content",))
+    )
     supply_pressure: float = Quantity(
         "Pa", "absolute pressure of the oil supply",
         nominal=1e5, positive=True, display_unit="MPa", plausible=GAS_PRESSURE,

@@ -25,7 +25,6 @@ from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Condition, Vector, layouts
 from ..core.requirements import require
-from ..plausible import TURN
 from . import journal_bearing as journal
 from .journal_bearing import REQUIREMENTS, Film, Place, PlainBearingParameters
 from .pivot_friction import RelaxationTime, TwistStiffness
@@ -39,9 +38,7 @@ class Parameters(PlainBearingParameters):
     diameter: float = kinds.DIAMETER("diameter of the pin", 8e-3)
     width: float = kinds.WIDTH("width of the bearing", 8e-3)
     radial_clearance: float = kinds.CLEARANCE("radius of the bush less that of the pin", 15e-6)
-    groove_angle: float = kinds.ANGLE(
-        "from x to the middle of a groove; the other one is opposite", 0.5 * math.pi, plausible=TURN
-    )
+    groove_angle: float = journal.GROOVE_ANGLE.default(0.5 * math.pi)
     sticking_stiffness: TwistStiffness = 50.0
     relaxation_time: RelaxationTime = 3e-5
     face_radius: float = kinds.DIAMETER(

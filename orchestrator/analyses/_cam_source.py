@@ -133,10 +133,14 @@ def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
 
 
 def _find_speed(scenario: Scenario) -> dict[str, Any]:
-    """Of the cam (rad/s): the larger one of the drive by the shaft's ratio; none without a drive."""
-    values = list_parameters(scenario)
-    drives = (n for n, table in scenario.components.items() if table.resolve().has_role(roles.Drive))
-    speeds = [values[f"{name}.{end}"] for name in drives for end in ("initial_speed", "final_speed")]
+    """Of the cam (rad/s): the larger one of the drive, of a free one that at the start, by the shaft's ratio;
+    none without a drive."""
+    values, speeds = list_parameters(scenario), list[float]()
+    for name, table in scenario.components.items():
+        if (component := table.resolve()).has_role(roles.Drive):
+            begun = float(table.start.get("speed", component.state.field("speed").start))
+            ends = [values[f"{name}.{end}"] for end in ("initial_speed", "final_speed")]
+            speeds += [begun] if table.parameters.get("motion") == "free" else ends
     ratio = min((value for name, value in values.items() if name.endswith(".drive_ratio")), default=1.0)
     return {"speed": ratio * max(speeds)} if max(speeds, default=0.0) > 0.0 else {}
 

@@ -20,7 +20,6 @@ from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
 from .checkpoint import Checkpoints, Identity
-from .interruption import Interruption
 from .plan import Lifetimes, Plan, open_participants
 from .record import ResultRecorder, TextRecorder, list_texts
 from .simulation import Run, Session, Statistics
@@ -129,7 +128,7 @@ def _couple(
                     observers.append(Checkpoints(path, identity, every, stop, is_asked, say))
                 steps, lines = plan.make_steps(), plan.side_lines
                 session = Session(system, participants, plan.master, steps, stop, lines=lines)
-                observation.run = Run(session, [*observers, bar, Interruption()])
+                observation.run = Run(session, [*observers, bar])
                 return observation.run.make(checkpoint[1] if checkpoint else None)
         finally:
             observation.warnings = _collect_warnings(participants)

@@ -4,6 +4,7 @@ import csv
 import math
 import shlex
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from models.slider_crank.motions.machine import FORMS
-from orchestrator.analyses import list_analyses, load
+from orchestrator.analyses import _evaluate, list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
 from orchestrator.analyses.poincare import draw_poincare, magnify
 from orchestrator.errors import MistakeError
@@ -21,6 +22,8 @@ from orchestrator.plots.motion import format_angle, shift_to_first_turn
 from orchestrator.plots.style import create_subplots
 from tests.fmus.names import mark_long
 from tribocosim.command_line import app
+
+from .commands import called
 
 # Enough to run every line; each analysis takes those that it has.
 SHORT = {"cycles": 40, "transient": 20, "points": 50, "x_count": 3, "y_count": 2, "starts": 4, "count": 3}
@@ -234,3 +237,11 @@ def test_the_phase_portrait_of_an_analysis_is_cut_where_the_angle_stands_still()
     np.testing.assert_array_equal(line.get_ydata(), [1.0, 1.0, np.nan, -0.9, -0.9])
     (jump,) = axes.collections[0].get_segments()
     np.testing.assert_array_equal(jump, [[10.0, 1.0], [10.0, -0.9]])
+
+
+def test_an_interrupted_analysis_says_what_is_kept(monkeypatch, tmp_path):
+    monkeypatch.setattr(_evaluate, "compute_table", Mock(side_effect=KeyboardInterrupt))
+    done = called("analyse", "cam", "--out", str(tmp_path / "out"))
+    assert done.returncode == 130
+    assert done.stderr.endswith("interrupted; only compiled code is kept: the same command begins anew\n")
+    assert not (tmp_path / "out").exists()

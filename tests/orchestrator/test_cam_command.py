@@ -113,6 +113,13 @@ def test_scenarios_give_the_cam_and_follower_that_they_have():
     assert find_settings("valve-train")["follower"] == "flat"
 
 
+def test_the_speed_of_a_free_drive_is_that_of_its_start(tmp_path):
+    """Its `initial_speed` has no effect."""
+    own = "[components.flywheel]\nparameters.motion = 'free'\nstart.speed = '3000 rpm'\n"
+    (tmp_path / "free.toml").write_text(f'extends = "valve-train"\n{own}')
+    assert find_settings(str(tmp_path / "free.toml"))["speed"] == pytest.approx(100.0 * math.pi)
+
+
 def test_it_says_of_which_follower_speed_and_timing_its_results_are():
     describe = load("cam").describe
     given = {"speed": "3000 rpm", "lobe_centre": "106 deg"}

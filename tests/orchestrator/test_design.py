@@ -339,14 +339,13 @@ def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) ->
     lift = np.array([train.lobe.kind.lift(a).s for a in angle])
     columns = {
         "camshaft.angle": angle, "contact.load": np.where(lift > 0.0, 300.0 - 2e4 * lift, 0.0),
-        "camshaft.cam_lift": lift, "contact.maximum_pressure": np.full(361, 5e8),
+        "camshaft.cam_lift": lift,
     }  # fmt: skip
 
     class Cycles:
         def __getitem__(self, speed: float) -> Motion:
-            return Motion(
-                train.finder.system, times, columns.__getitem__, Angle("cam_angle", "camshaft.angle")
-            )
+            found = {**columns, "contact.maximum_pressure": np.full(361, 5e8 - 1e5 * speed)}
+            return Motion(train.finder.system, times, found.__getitem__, Angle("cam_angle", "camshaft.angle"))
 
         def is_lost(self, speed: float) -> bool:
             return False
@@ -355,6 +354,7 @@ def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) ->
     assert found.least_load == pytest.approx(300.0 - 2e4 * lift.max())
     # Down to idle, where the nose is pressed most.
     assert np.multiply([*found.idle, *found.speeds], 30.0 / math.pi) == pytest.approx([300.0, 1500.0])
+    assert found.pressures == pytest.approx({"contact": 5e8 - 1e5 * found.idle[0]})
 
 
 def test_the_search_gains_what_its_linear_programme_promised(monkeypatch: pytest.MonkeyPatch) -> None:

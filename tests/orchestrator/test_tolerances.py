@@ -284,7 +284,7 @@ class Here:
                 store.flush()
                 self.left -= 1
                 if not self.left:
-                    raise KeyboardInterrupt("interrupted: the same command continues")
+                    raise KeyboardInterrupt
         return 0
 
 
@@ -300,6 +300,7 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
     arguments = ["tolerances", "valve-train", str(file), "--out", str(out), "--set", *DRY]
     stopped = called(*arguments)
     assert stopped.returncode == 130
+    assert f"the trains are kept in {out}: the same command continues" in stopped.stderr
     with monkeypatch.context() as patch:
         patch.setattr(study, "run", run)
         done = called(*arguments, "--workers", "2")

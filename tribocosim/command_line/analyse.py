@@ -39,6 +39,7 @@ def run_analysis(
     from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario
     from orchestrator.analyses.stability.report import build_dataset
     from orchestrator.errors import MistakeError, Option
+    from orchestrator.run.interruption import tell_interruption
     from orchestrator.scenario.files import load as load_scenario
 
     reporter = build_reporter(as_json)
@@ -51,7 +52,8 @@ def run_analysis(
         raise MistakeError((Option("parameters"), f": {name} is a scenario"), remedy)
     elif is_scenario(name):
         carry_out_apart(load_scenario(name, set_ or []), None)
-        found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter)
+        with tell_interruption():
+            found = analyse_scenario(name, set_ or [], at or [], out, overwrite, reporter)
         result = build_dataset(found).to_dict()
     elif at:
         raise MistakeError((Option("at"), f": belongs to a scenario, which {name} is not"), "leave it out")
@@ -59,6 +61,7 @@ def run_analysis(
         result = {one: parameter.fields for one, parameter in load(name).parameters.items()}
         reporter.console.print(build_parameters_table(name))
     else:
-        result = analyse(name, set_ or [], out, overwrite, reporter)
+        with tell_interruption():
+            result = analyse(name, set_ or [], out, overwrite, reporter)
     if as_json:
         print_json(result)

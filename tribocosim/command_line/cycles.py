@@ -169,7 +169,7 @@ def run_sensitivities(
     at = None if speed is None else parse_speed("speed", speed)
     if run and speed is not None:
         raise MistakeError((Option("speed", speed), ": is that of a steady cycle; leave it out with --run"))
-    with tell_interruption(lambda: "only compiled code is kept: the same command begins anew"):
+    with tell_interruption():
         if run:
             found = find_run_sensitivities(tables, parameter or [], folder, reporter)
         else:
@@ -197,6 +197,7 @@ def run_tolerances(
     2: a mistake in the scenario, the file or the command, 130: interrupted.
     """
     check_study_packages()
+    from orchestrator.run.interruption import tell_interruption
     from orchestrator.study.run import Where
     from orchestrator.study.tolerances.report import publish
     from orchestrator.study.tolerances.run import find_tolerances, make_subject
@@ -209,8 +210,9 @@ def run_tolerances(
     name = tables["name"]
     folder = out or Path("results") / f"{name}-tolerances"
     reporter = build_reporter(as_json)
-    found = find_tolerances(tables, given, folder, Where(workers=workers), reporter, overwrite)
-    publish(found, limits, f"{name} at {found.attrs['speed_rpm']:.0f} r/min", folder, reporter)
+    with tell_interruption(lambda: f"the trains are kept in {folder}: the same command continues"):
+        found = find_tolerances(tables, given, folder, Where(workers=workers), reporter, overwrite)
+        publish(found, limits, f"{name} at {found.attrs['speed_rpm']:.0f} r/min", folder, reporter)
     if as_json:
         print_json(found.drop_vars("sample").to_dict())
     return int(found.attrs["status"])

@@ -174,7 +174,7 @@ def run_masters(
     carry_out_apart(checked := content.check(), None)
     build_system(checked)  # a mistake in it would be each master's
     reporter = build_reporter(as_json)
-    with tell_interruption(lambda: "nothing is kept: the same command begins anew"):
+    with tell_interruption():
         found = compare_masters(
             lambda changes: content.with_(changes).check(), master or [], out, overwrite, build_fmu, reporter
         )

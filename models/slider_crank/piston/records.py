@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from ... import kinds
-from ...core.quantities import Quantity, Vector
+from ...core.quantities import Condition, Quantity, Vector
 from ...plausible import OFFSET, PART_LENGTH, PLAY
 from ..crank import (
     CrankAcceleration,
@@ -27,9 +27,11 @@ class DrivenParameters:
 
     crank_radius: CrankRadius = 0.5 * _BORE
     rod_length: RodLength = 0.143
-    crank_mass: float = kinds.MASS("mass of the crank", minimum=0.0)
+    crank_mass: float = kinds.MASS("mass of the crank", minimum=0.0, only=Condition(("crank_centre",)))
     crank_centre: float = kinds.PLACE(
-        "distance of the crank's centre of mass from the shaft", display_unit="mm"
+        "distance of the crank's centre of mass from the shaft",
+        display_unit="mm",
+        only=Condition(("crank_mass",)),
     )
     crank_inertia: float = kinds.ROD_INERTIA("inertia of the crank about its centre of mass")
     rod_mass: float = kinds.PART_MASS("mass of the connecting rod", 0.55, minimum=0.0)
