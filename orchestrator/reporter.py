@@ -19,7 +19,7 @@ from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from models.core.interruption import look
+from models.core.interruption import answer, deferred, is_asked, look
 from models.core.quantities import Vector
 from models.core.remedies import Words, in_command_line, make_printable
 
@@ -141,6 +141,24 @@ def tell_compilation() -> Iterator[None]:
 
     with announce_compilation(begin, lambda seconds: None, _look_outside):
         yield
+
+
+@contextmanager
+def tell_interruption(
+    describe: Callable[[], str] = lambda: "only compiled code is kept: the same command begins anew",
+) -> Iterator[None]:
+    """Where Ctrl-C ends the block, KeyboardInterrupt says by `describe` what is kept and how to go on."""
+    with deferred():
+        try:
+            yield
+            look()
+        except (Exception, KeyboardInterrupt) as error:
+            interrupted = isinstance(error, KeyboardInterrupt)
+            if not (interrupted or is_asked()):
+                raise
+            answer()
+            text = str(error) if interrupted else ""
+            raise KeyboardInterrupt(text or f"interrupted; {describe()}") from None
 
 
 # Gets a stage in words and the share of it that is done, from 0 to 1.

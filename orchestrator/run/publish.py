@@ -16,7 +16,7 @@ from models.core.words import tally
 from ..assessment.merits import write_merits
 from ..assessment.trains import find_angles
 from ..errors import Command, Words, in_command_line, join, start_over
-from ..reporter import DRAWING, PAGE, RECORDS, Reporter, make_table
+from ..reporter import DRAWING, PAGE, RECORDS, Reporter, make_table, tell_interruption
 from ..scenario.values import WARNING
 from ..store.atomic_write import NO_ROOM, naming
 from ..store.csv_file import write_csv
@@ -35,7 +35,6 @@ from ..store.output_folder import (
 )
 from ..store.result_file import ResultFile
 from .comparison import Errors, VariableError, WitnessComparison
-from .interruption import tell_interruption
 from .plan import Plan
 from .summary import FAILED, INTERRUPTED, Summary
 

@@ -11,8 +11,7 @@ from models.core.system import ModelError
 from models.core.words import tally
 
 from ..errors import MistakeError
-from ..reporter import Bar, Reporter
-from ..run.interruption import tell_interruption
+from ..reporter import Bar, Reporter, tell_interruption
 from .cluster import connect
 from .execution import Execution
 from .files import Plan

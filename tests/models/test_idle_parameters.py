@@ -45,7 +45,7 @@ def evaluate(component: Component, t: float, x: Vector, u: Vector, p: Vector) ->
 
 def draw(layout: Layout, start: Vector, random: np.random.Generator, spread: float) -> Vector:
     """Values about the start, in their ranges."""
-    quantities = [layout.field(name).quantity for name in layout.names]
+    quantities = [one.quantity for one in layout.fields]
     limits = np.array([one.limits() for one in quantities]).reshape(-1, 2)
     limits[:, 0] += [1e-3 * one.nominal * one.positive for one in quantities]
     drawn = start + spread * layout.nominal * random.uniform(-1.0, 1.0, layout.size)
@@ -57,9 +57,9 @@ def find_inert(
     component: Component, about: Vector, declared: set[str], random: np.random.Generator
 ) -> set[str]:
     """The continuous parameters that change nothing at any of many states, inputs and times."""
-    names = component.parameters.names
-    left = {name for name in names if not component.parameters.field(name).quantity.discrete}
-    vary = np.isin(names, list(left))
+    layout = component.parameters
+    left = {one.name for one in layout.fields if not one.quantity.discrete}
+    vary = np.isin(layout.names, list(left))
     for k in range(MOST):
         if k >= DRAWS and left <= declared | EXCUSED:
             break
@@ -68,14 +68,12 @@ def find_inert(
         u = draw(component.inputs, component.inputs.start, random, spread)
         t, p = random.uniform(0.0, 3.0), about * np.where(vary, random.uniform(0.999, 1.001, about.size), 1.0)
         base = evaluate(component, t, x, u, p)
+        others = [np.where(p, p * factor, 0.1 * abs(factor - 1.0) * layout.nominal) for factor in (1.02, 0.7)]
         for name in sorted(left):
-            for factor in (1.02, 0.7):
-                q, i = p.copy(), names.index(name)
-                q[i] = p[i] * factor if p[i] else 0.1 * (factor - 1.0) * component.parameters.nominal[i]
-                q[i] = abs(q[i]) if component.parameters.field(name).quantity.limits()[0] >= 0.0 else q[i]
-                if not np.array_equal(evaluate(component, t, x, u, q), base, equal_nan=True):
-                    left.discard(name)
-                    break
+            moved = (np.where(np.array(layout.names) == name, other, p) for other in others)
+            changed = (evaluate(component, t, x, u, q) for q in moved)
+            if not all(np.array_equal(values, base, equal_nan=True) for values in changed):
+                left.discard(name)
     return left
 
 

@@ -58,11 +58,7 @@ def test_constant_and_source_of_one_input():
 @pytest.mark.parametrize(
     ("kind", "values", "said"),
     [
-        (
-            "parameters",
-            {"valve_mass": -1.0},
-            ("components.valve_spring.parameters.valve_mass = -1", "must be > 0"),
-        ),
+        ("parameters", {"valve_mass": -1.0}, (".parameters.valve_mass = -1", "must be > 0")),
         ("parameters", {"spring_rate": math.nan}, ("spring_rate = nan", "must be finite and > 0")),
         ("parameters", {"valve_mas": 1.0}, ("no parameter 'valve_mas'", "did you mean valve_mass?")),
         ("start", {"positon": 1.0}, ("no state 'positon'", "did you mean position?")),

@@ -16,8 +16,7 @@ import typer
 from rich.console import Console
 
 from fmus.build import NAMES
-from orchestrator.reporter import COMPILES, Reporter, tell_compilation
-from orchestrator.run.interruption import tell_interruption
+from orchestrator.reporter import COMPILES, Reporter, tell_compilation, tell_interruption
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
 from orchestrator.scenario.system import build_system

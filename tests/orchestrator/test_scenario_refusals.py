@@ -133,10 +133,7 @@ BAD_SYSTEMS = {
     "master={name='newton', iterate=['camshaft', 'contct']}": ("master.iterate: ", "did you mean contact?"),
     "master.order=['contct']": ("master.order = contct: ", "; contct: did you mean contact?"),
     "master={name='newton', iterate=['contact', 'contact']}": ("master.iterate", "'contact' is named twice"),
-    "components.valve_spring.parameters.valve_mass=-0.2": (
-        "components.valve_spring.parameters.valve_mass = -0.2 kg",
-        "> 0",
-    ),
+    "components.valve_spring.parameters.valve_mass=-0.2": ("parameters.valve_mass = -0.2 kg", "> 0"),
     "components.camshaft.parameters.base_radius=2 mm": ("curvature", "undercut"),
     "tolerance.contact.lod=1e-3": ("contact.lod", "contact.load"),
     "tolerance.contct.load=1e-3": ("tolerance.contct.load", "no component 'contct'", "did you mean contact?"),

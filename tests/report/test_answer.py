@@ -16,6 +16,8 @@ from orchestrator.report.page import _choose_kind
 from orchestrator.report.sweep import _judge
 from orchestrator.reporter import Reporter
 
+KEPT = "contact is kept up to 3000 r/min"
+
 
 def _answer(folder: Path) -> Answer:
     answer = Answer("train <1>: answer", Reporter(Console(quiet=True)))
@@ -48,14 +50,8 @@ def test_a_page_that_cannot_be_written_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("separation", "notices", "lost", "kind", "said"),
     [
-        ("contact is kept up to 3000 r/min", ["with films"], 0.0, "good", "contact is kept up to 3000 r/min"),
-        (
-            "contact is kept up to 3000 r/min",
-            ["with films", "no steady cycle"],
-            0.0,
-            "unsteady",
-            "; no steady",
-        ),
+        (KEPT, ["with films"], 0.0, "good", KEPT),
+        (KEPT, ["with films", "no steady cycle"], 0.0, "unsteady", "; no steady"),
         ("contact is lost from 2000.0 r/min", [], 0.1, "bad", "contact is lost"),
         (None, [], 0.0, "", "was not looked for"),
         (None, [], 0.1, "bad", "was not looked for"),

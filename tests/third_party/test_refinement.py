@@ -168,10 +168,7 @@ def made_error(relative, own=0.0, tolerance=1e-3, order=None):
     ("error", "said"),
     [
         (made_error(2e-4, 7e-4), "within the tolerance"),
-        (
-            made_error(7.6e-4, 8e-4, order=2.0),
-            "not known to be within the tolerance: a.x: relative RMS error ",
-        ),
+        (made_error(7.6e-4, 8e-4, order=2.0), "not known to be within the tolerance: a.x: relative RMS "),
         (made_error(1.2e-3, 8e-4), "not known to be within the tolerance: a.x: relative RMS error 0.0012, "),
         (made_error(2.6e-3, 8e-4), "outside the tolerance: a.x: relative RMS error 0.0026 > 0.001"),
         (made_error(1.0004e-3), "outside the tolerance: a.x: relative RMS error 0.0010004 > 0.001"),

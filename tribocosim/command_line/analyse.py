@@ -39,7 +39,7 @@ def run_analysis(
     from orchestrator.analyses.stability.analyse import analyse_scenario, is_scenario
     from orchestrator.analyses.stability.report import build_dataset
     from orchestrator.errors import MistakeError, Option
-    from orchestrator.run.interruption import tell_interruption
+    from orchestrator.reporter import tell_interruption
     from orchestrator.scenario.files import load as load_scenario
 
     reporter = build_reporter(as_json)

@@ -154,7 +154,7 @@ def run_sensitivities(
     """
     check_study_packages()
     from orchestrator.errors import MistakeError, Option
-    from orchestrator.run.interruption import tell_interruption
+    from orchestrator.reporter import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.study.run import Where
     from orchestrator.study.speeds.sensitivities import find_run_sensitivities, find_sensitivities, publish
@@ -197,7 +197,7 @@ def run_tolerances(
     2: a mistake in the scenario, the file or the command, 130: interrupted.
     """
     check_study_packages()
-    from orchestrator.run.interruption import tell_interruption
+    from orchestrator.reporter import tell_interruption
     from orchestrator.study.run import Where
     from orchestrator.study.tolerances.report import publish
     from orchestrator.study.tolerances.run import find_tolerances, make_subject

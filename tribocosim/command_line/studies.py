@@ -133,7 +133,7 @@ def design_cam(
     Writes a scenario with the cam's lift table. The same command continues an interrupted search. Exit status
     0: all limits are kept, 1: no such cam was found, 2: a mistake in the brief, 130: interrupted.
     """
-    from orchestrator.run.interruption import tell_interruption
+    from orchestrator.reporter import tell_interruption
     from orchestrator.study.design.brief import read_brief
     from orchestrator.study.design.files import describe_kept
     from orchestrator.study.design.run import design
@@ -162,7 +162,7 @@ def run_masters(
 ) -> None:
     """Run a scenario with every master that its FMUs can take: the error of each against its work."""
     check_study_packages()
-    from orchestrator.run.interruption import tell_interruption
+    from orchestrator.reporter import tell_interruption
     from orchestrator.scenario.files import read
     from orchestrator.scenario.system import build_system
     from orchestrator.study.masters import compare_masters

@@ -16,8 +16,7 @@ from models.core.words import tally
 from ...analyses._evaluate import create_folder, find_results
 from ...errors import MistakeError, Option, RunError
 from ...report.answer import Answer
-from ...reporter import Reporter
-from ...run.interruption import tell_interruption
+from ...reporter import Reporter, tell_interruption
 from ...scenario import build_scenario
 from ...scenario.system import Builder, list_outputs
 from ...store.output_folder import PRINTED

@@ -18,8 +18,7 @@ from ...errors import MistakeError, Words
 from ...plots.design import draw_design
 from ...plots.style import save_figure
 from ...report.answer import Answer
-from ...reporter import Bar, Reporter, follow
-from ...run.interruption import tell_interruption
+from ...reporter import Bar, Reporter, follow, tell_interruption
 from ...run.pipeline import run_part
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder, build_system

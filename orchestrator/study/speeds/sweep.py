@@ -29,8 +29,7 @@ from ...assessment.trains import list_parts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
 from ...plots.style import save_figure
-from ...reporter import Reporter
-from ...run.interruption import tell_interruption
+from ...reporter import Reporter, tell_interruption
 from ...scenario import build_scenario
 from ...scenario.checks import check_units
 from ...scenario.display import format_number, show_attributes

@@ -16,8 +16,7 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 from models.valve_train.worn_cam import PLACES
 
-from ...reporter import Reporter
-from ...run.interruption import tell_interruption
+from ...reporter import Reporter, tell_interruption
 from ...scenario.files import to_full_toml
 from ...store import atomic_write
 from .train import FOLLOWER, LOSS, Rubbed, WearingTrain
