@@ -82,11 +82,6 @@ def bouncing_mass(
     Piecewise: parabolas, and arcs of a (damped) sine. Needs gravity > 0 and damping < 2 sqrt(k m).
     """
     m, s = mass or FallingMassParameters(), stop or SpringStopParameters()
-    if m.gravity <= 0.0:
-        raise ValueError(f"gravity = {m.gravity:g} m/s2: must be > 0")
-    critical = 2.0 * math.sqrt(s.stiffness * m.mass)
-    if s.damping >= critical:
-        raise ValueError(f"damping = {s.damping:g} N.s/m: must be less than the critical {critical:g}")
     g, rest, decay = m.gravity, s.stop_position - m.mass * m.gravity / s.stiffness, 0.5 * s.damping / m.mass
     w = math.sqrt(s.stiffness / m.mass - decay**2)
 
