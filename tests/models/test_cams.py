@@ -267,20 +267,6 @@ def test_lift_tables_are_smoothed_to_the_accuracy_of_their_samples(record):
         assert error < 3.0 * smoothed.curvature_error
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        ({"rise_angle": 3.0, "dwell_half_width": 0.2}, "at most 180 deg"),
-        ({"rise_angle": 2.9, "ramp_height": 1e-4}, "at most 180 deg"),
-        ({"power_q": 8.0}, "must ascend"),
-        ({"flank_share": 0.6}, "at most 1, the whole rise"),
-    ],
-)
-def test_profiles_that_are_none_are_refused(parameters, message):
-    faults = BY_LAW.parameter_faults(BY_LAW.parameters.vector(parameters))
-    assert any(message in fault for fault in faults)
-
-
 def test_a_table_whose_angles_do_not_ascend_is_refused():
     component = camshaft(table_points=3)
     values = {"table_angle[1]": 0.0, "table_angle[2]": 2.0, "table_angle[3]": 1.0}

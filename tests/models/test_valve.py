@@ -71,14 +71,6 @@ def test_lash_keeps_the_valve_closed_until_the_cam_has_taken_it_up():
     assert found["valve_spring.valve_lift"][-1] == pytest.approx(8e-3 - lash, abs=5e-6)
 
 
-def test_lash_without_a_seat_is_refused():
-    spring = CATALOGUE["valve_spring"]()
-    (fault,) = spring.parameter_faults(spring.parameters.vector({"lash": 0.2e-3}))
-    assert fault.startswith("lash = 0.0002 m")
-    assert "seat_stiffness" in fault
-    assert not spring.parameter_faults(spring.parameters.vector({"lash": 0.2e-3, **SEAT}))
-
-
 def test_contact_is_lost_and_regained_at_3400_rpm():
     system = valve_train(3400, contact=DRY)
     times = np.linspace(0.0, 2.0, 1441) * turn(3400)

@@ -55,6 +55,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"width": 30e-3},
         {"roughness": 5e-6},
         {"groove_width": 2.0, "film_model": 2.0},
+        {"groove_width": 1e-3, "film_model": 2.0},
         {"width": 2e-3, "film_model": 2.0},
         {"eccentricity_x": 21e-6, "eccentricity_y": -21e-6},
     ),
@@ -188,9 +189,9 @@ def test_fmi3_says_it_too(fmi3_files):
     fmu.free()
 
 
-@pytest.mark.parametrize("name", [tried(name) for name in REQUIRING])
+@pytest.mark.parametrize("name", REQUIRING)
 def test_every_requirement_is_tried(name):
-    """The cases above leave none out: the words before the first number tell them apart."""
+    """And refused by its component: the words before the first number tell them apart."""
     component = COMPONENTS[name]
     texts = [rule.says for rule in component.requirements]
     texts += [name_as_start_value(rule.says) for rule in component.start_requirements]
