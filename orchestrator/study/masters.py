@@ -108,7 +108,10 @@ def _try(
             summary = run_part(one, folder / "run", build, silent)
     except (MistakeError, RunError) as error:
         return Tried(name, step, message=in_command_line(error))
-    shares = {key: e.relative_rms / e.tolerance for key, e in summary.errors.items() if e.tolerance}
+    shares = {
+        key: (e.relative_rms + e.uncertainty.relative_rms) / e.tolerance
+        for key, e in summary.errors.items() if e.tolerance
+    }  # fmt: skip
     if not summary.complete or not shares:
         return Tried(name, step, message=in_command_line(summary.message), signals=signals)
     output = max(shares, key=shares.__getitem__)

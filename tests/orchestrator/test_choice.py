@@ -32,6 +32,15 @@ def test_the_choice_keeps_the_tolerance_and_costs_little_more_than_the_best(name
     record("Coupling", case, own.steps / best.steps, 0.0, "bound", tolerance=REGRET)
 
 
+@pytest.mark.long
+@pytest.mark.parametrize("speed", [1000, 4000])
+def test_the_steps_of_the_roller_finger_serve_at_all_its_speeds(speed):
+    scenario = tribocosim.load("roller-finger")
+    changes = {f"components.{name}.participant": "in-process" for name in scenario.content["components"]}
+    changes["components.flywheel.parameters.initial_speed"] = f"{speed} rpm"
+    assert tribocosim.run(scenario.with_(changes)).within
+
+
 def leave_master(name, **changes):
     """A shipped scenario in this process without its master, with these changes."""
     content = dict(tribocosim.load(name).content)

@@ -9,9 +9,11 @@ from unittest.mock import Mock
 import pytest
 
 import tribocosim
+from models.core.difference import Difference
 from orchestrator.analyses.stability import survey as surveying
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.masters import MASTERS
+from orchestrator.run.comparison import VariableError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.fmu_limits import FmuLimits
 from orchestrator.study.masters import LONGER, Tried, _list_untried, compare_masters, judge
@@ -119,6 +121,14 @@ def test_what_no_master_runs_is_said_once(tmp_path, monkeypatch):
     monkeypatch.setattr("orchestrator.study.masters.run_part", failing)
     with pytest.raises(RunError, match="no master runs two-masses; newton: first: is worn out"):
         compare_masters(vary, [], tmp_path / "out", False, build_fmu, silent)
+
+
+def test_an_error_counts_with_the_uncertainty_of_the_reference_as_in_verdicts(tmp_path, monkeypatch):
+    error = VariableError(8e-4, 8e-4, 8e-4, Difference(5e-4, 5e-4, 5e-4), tolerance=1e-3)
+    made = Mock(errors={"first.position": error}, complete=True, do_steps=4, coupled_time_s=1.0)
+    monkeypatch.setattr("orchestrator.study.masters.run_part", Mock(return_value=made))
+    found = compare_masters(vary, [], tmp_path / "out", False, build_fmu, SilentReporter())
+    assert [one.error for one in found] == pytest.approx([1.3] * len(found))
 
 
 def test_an_interruption_in_a_run_of_a_master_ends_the_command(tmp_path, monkeypatch):
