@@ -1,54 +1,34 @@
 """The benchmark oscillators: the components are what their exact solutions solve, and energy closes."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from models.catalogue import CATALOGUE
-from models.core.system import Instance, System
 from models.monolithic import solve
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
 from models.oscillators.quarter_car import WheelParameters
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from tests.models import exact_oscillators as exact
 
 from .systems import outputs_of
 
-
-def pair(names, connections, parameters=({}, {}), starts=({}, {})):
-    instances = {
-        name: Instance(CATALOGUE[name](), p, s) for name, p, s in zip(names, parameters, starts, strict=True)
-    }
-    return System(instances, connections)
+STATES = [f"{part}.{state}" for part in ("chassis", "wheel") for state in ("position", "velocity")]
 
 
-def quarter_car(chassis, wheel):
-    c, w = "quarter_car_chassis", "quarter_car_wheel"
-    connections = [
-        (f"{one}.{variable}", f"{other}.{one.removeprefix('quarter_car_')}_{variable}")
-        for one, other in ((c, w), (w, c))
-        for variable in ("position", "velocity")
-    ]
-    return pair((c, w), connections, (chassis, wheel))
-
-
-def two_masses(coupled, sprung, start):
-    connections = [
-        ("coupled_mass.force", "sprung_mass.force"),
-        ("sprung_mass.position", "coupled_mass.other_position"),
-        ("sprung_mass.velocity", "coupled_mass.other_velocity"),
-    ]
-    return pair(("coupled_mass", "sprung_mass"), connections, (coupled, sprung), start)
-
-
-def bouncing_mass(mass, stop, start):
-    connections = [
-        ("falling_mass.position", "spring_stop.position"),
-        ("falling_mass.velocity", "spring_stop.velocity"),
-        ("spring_stop.force", "falling_mass.force"),
-    ]
-    return pair(("falling_mass", "spring_stop"), connections, (mass, stop), (start, {}))
+def oscillator(name, parameters, starts):
+    """The shipped one with these values by instance."""
+    system = build_system(load(name))
+    return system.with_instances(
+        {
+            part: replace(instance, parameters=parameters.get(part, {}), start=starts.get(part, {}))
+            for part, instance in system.instances.items()
+        }
+    )
 
 
 def energy_closes(found, scale):
@@ -68,10 +48,10 @@ def crossed(found):
 @pytest.mark.parametrize("damping", [0.0, 300.0])
 def test_quarter_car_is_its_matrix_exponential(damping):
     times = np.linspace(0.0, 4.0, 201)
-    found = solve(quarter_car({}, {"tyre_damping": damping}), times)
+    found = solve(oscillator("quarter-car", {"wheel": {"tyre_damping": damping}}, {}), times)
     solution = exact.quarter_car(times, wheel=WheelParameters(tyre_damping=damping))
     # Tolerance 1e-10 per step of nominals 0.1 m and 1 m/s, over some hundred steps.
-    np.testing.assert_allclose(found.state, solution, atol=1e-9)
+    np.testing.assert_allclose(np.column_stack([found[name] for name in STATES]), solution, atol=1e-9)
     energy_closes(found, 750.0)
     assert crossed(found) > 50.0
 
@@ -81,8 +61,8 @@ def test_two_masses_are_their_matrix_exponential(damping):
     times = np.linspace(0.0, 5.0, 101)
     coupled = {"mass": 5.0, "damping": damping, "coupling_damping": 2.0 * damping}
     sprung = {"mass": 0.5, "stiffness": 3.0, "damping": damping}
-    start = ({"position": 1.0, "velocity": -0.5}, {"position": 0.2, "velocity": 0.3})
-    found = solve(two_masses(coupled, sprung, start), times)
+    start = {"first": {"position": 1.0, "velocity": -0.5}, "second": {"position": 0.2, "velocity": 0.3}}
+    found = solve(oscillator("two-masses", {"first": coupled, "second": sprung}, start), times)
     solution = exact.two_masses(
         times,
         CoupledMassParameters(**coupled),
@@ -101,15 +81,16 @@ def test_two_masses_are_their_matrix_exponential(damping):
 )
 def test_bouncing_mass_is_its_piecewise_solution(damping, position):
     times = np.linspace(0.0, 1.5, 301)
-    found = solve(bouncing_mass({}, {"damping": damping}, {"position": position}), times)
+    system = oscillator("bouncing-mass", {"stop": {"damping": damping}}, {"mass": {"position": position}})
+    found = solve(system, times)
     solution = exact.bouncing_mass(times, stop=SpringStopParameters(damping=damping), position=position)
     # Kinks and jumps of the force cost the reference digits: it knows by how much.
-    uncertain = 10.0 * found.uncertainty["falling_mass.position"].max_abs + 1e-10
-    np.testing.assert_allclose(found["falling_mass.position"], solution.motion[:, 0], atol=uncertain)
+    uncertain = 10.0 * found.uncertainty["mass.position"].max_abs + 1e-10
+    np.testing.assert_allclose(found["mass.position"], solution.motion[:, 0], atol=uncertain)
     energy_closes(found, 1.0)
     # The stop gives the mass its momentum and carries its weight.
-    gained = found["falling_mass.velocity"] - found["falling_mass.velocity"][0] + 9.81 * times
-    np.testing.assert_allclose(found["spring_stop.impulse"], gained, atol=1e-9)
+    gained = found["mass.velocity"] - found["mass.velocity"][0] + 9.81 * times
+    np.testing.assert_allclose(found["stop.impulse"], gained, atol=1e-9)
 
 
 def test_undamped_bounces_repeat_with_the_closed_form_period():

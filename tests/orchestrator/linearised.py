@@ -5,9 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from models.core.system import Instance, System
 from models.monolithic.trajectory import compute_trajectory
-from models.oscillators.quarter_car import quarter_car_chassis, quarter_car_wheel
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 
@@ -46,15 +44,7 @@ def write_masses(folder, second="in-process"):
 
 
 def quarter_car():
-    return System(
-        {"wheel": Instance(quarter_car_wheel()), "chassis": Instance(quarter_car_chassis())},
-        [
-            ("wheel.position", "chassis.wheel_position"),
-            ("wheel.velocity", "chassis.wheel_velocity"),
-            ("chassis.position", "wheel.chassis_position"),
-            ("chassis.velocity", "wheel.chassis_velocity"),
-        ],
-    )
+    return build_system(load("quarter-car"))
 
 
 def masses_with_fmu():
