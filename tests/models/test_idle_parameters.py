@@ -17,13 +17,11 @@ NAMES = [
     for name in sorted(set(CATALOGUE) - {"ehl_line_contact"})
 ]
 # What acts in assessments only, at limits that draws do not reach, or with an oil, which a dry contact lacks.
-ELSEWHERE = {"elastic_limit", "wire_stress", "wire_amplitude", "wire_strength"}
-LIMITS = {
+EXCUSED = {
+    "elastic_limit", "wire_stress", "wire_amplitude", "wire_strength",
     "limiting_shear_stress", "limiting_shear_coefficient", "chatter_time", "creep_velocity",
-    "sliding_threshold", "travel", "retainer_stiffness",
+    "sliding_threshold", "travel", "retainer_stiffness", "roelands_exponent", "roelands_pressure",
 }  # fmt: skip
-OF_OIL = {"roelands_exponent", "roelands_pressure"}
-EXCUSED = ELSEWHERE | LIMITS | OF_OIL
 # So many draws, and more where a parameter is left that should act.
 DRAWS, MOST = 10, 80
 
