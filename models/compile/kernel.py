@@ -52,6 +52,11 @@ def inlined(function: F) -> F:
     return compile_with(function, {**_OPTIONS, "forceinline": True})
 
 
+def uncounted(function: F) -> F:
+    """As `kernel`, for one that returns no array: it counts no references to those it looks into."""
+    return compile_with(function, {**_OPTIONS, "_nrt": False})
+
+
 def compile_with(function: F, options: dict[str, Any]) -> F:
     """As `kernel`, with these options of numba's."""
     if not COMPILED:

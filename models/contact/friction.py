@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..compile.kernel import kernel
+from ..compile.kernel import kernel, uncounted
 from .asperities import (
     THICK,
     Asperities,
@@ -117,7 +117,7 @@ class ProfileFriction(NamedTuple):
     boundary: float
 
 
-@kernel
+@uncounted
 def find_sheared_share(x: Any, pressure: Any, i: int, step: int) -> float:
     """How much of the way from node i, where the fluid has pressure, to the next (step = 1 or -1) is its.
 

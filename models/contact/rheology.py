@@ -54,7 +54,7 @@ def thin_by_heat(rise: float, viscosity: float, thermal: Thermal) -> Thinned:
 @kernel
 def pressed_share(pressure: float, fluid: Lubricant) -> float:
     """(1 + p/p_r)^z, by which heat thins oil under the pressure p >= 0 (Pa) more than without."""
-    if fluid.viscosity_law == ROELANDS:
+    if fluid.viscosity_law == ROELANDS and pressure > 0.0:
         return (1.0 + pressure / fluid.roelands_pressure) ** fluid.roelands_exponent
     return 1.0
 

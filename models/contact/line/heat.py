@@ -18,7 +18,7 @@ known of it; each way through them then costs what its right sides do.
 
 from typing import Any, NamedTuple
 
-from ...compile.kernel import inlined, kernel
+from ...compile.kernel import inlined, kernel, uncounted
 from .newton import FilmProblem
 from .reynolds import Nodes, cell
 from .shear import SOLID_LAYERS, Columns, Heat, HeatLaws, depth
@@ -37,7 +37,7 @@ def capacity(row: int, layers: int, mass: float, width: float, laws: HeatLaws) -
     return laws.capacity_2 * depth(row - SOLID_LAYERS - layers) * width
 
 
-@kernel
+@uncounted
 def store(X: Any, scale: float, mass: Any, rise: Any, weight: float, laws: HeatLaws, energy: Any) -> None:
     """energy (J/m) becomes (1 - weight) times itself plus weight times the heat of such temperatures."""
     n, rows = rise.shape
@@ -229,7 +229,7 @@ def heat_layers(
         source[first + k] += own + response * own * fall - growth[k] * at + temperature * hot
 
 
-@kernel
+@uncounted
 def build_bodies(problem: FilmProblem, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat) -> None:
     """The bodies' rows of all nodes, which neither pressure nor temperatures change."""
     drive, scale_rate = problem.drive, problem.scale_rate
@@ -251,7 +251,7 @@ def pressed(i: int, heat: Heat) -> float:
     return float(heat.pressing[i] / heat.response[i] * heat.columns.softer[i])
 
 
-@kernel
+@uncounted
 def foresee_drift(
     p: Any, h: Any, problem: FilmProblem, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat
 ) -> None:  # fmt: skip
@@ -288,7 +288,7 @@ def foresee_drift(
         nodes.drift_right[i] = sliding * pressed(i + 1, heat) * right + slope
 
 
-@kernel
+@uncounted
 def build_columns(
     p: Any, h: Any, problem: FilmProblem, old: Any, laws: HeatLaws, X: Any, nodes: Nodes, heat: Heat
 ) -> None:
@@ -323,7 +323,7 @@ def build_columns(
     foresee_drift(p, h, problem, laws, X, nodes, heat)
 
 
-@kernel
+@uncounted
 def warm(heat: Heat, step: int) -> None:
     """Temperatures by the columns, along the film (step = 1) or back (-1)."""
     c, rise, right = heat.columns, heat.rise, heat.columns.right

@@ -16,7 +16,7 @@ from ..friction import boundary_friction
 from .cavities import find_filled, keeps_oil
 from .heat import COOL, build_bodies, build_columns, settle_heat, store, warm
 from .mixed import Bodies
-from .newton import TOLERANCE, FilmProblem, FilmSolution, newton
+from .newton import TOLERANCE, FilmProblem, FilmSolution, begin_newton, newton
 from .reynolds import Flow, cell
 from .shear import SOLID_LAYERS, Heat, HeatLaws, flow_film, shear_film, thin_film
 from .workspace import Workspace
@@ -96,6 +96,7 @@ def solve_film(
     laws: HeatLaws, w: Workspace,
 ) -> FilmSolution:  # fmt: skip
     """As `newton`; of a heated film with w.heat.rise, from the heat in w.heat.base."""
+    begin_newton(p, h, approach, problem, bodies, w)
     if not is_heated(laws):
         return newton(p, h, approach, problem, bodies, fluid, old, w, TOLERANCE)
     sliding, heat = problem.drive.sliding, w.heat

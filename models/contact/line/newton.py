@@ -237,11 +237,20 @@ def find_balance(p: Any, h: Any, problem: FilmProblem, fluid: Lubricant, old: An
 
 
 @kernel
+def begin_newton(p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, w: Workspace) -> None:
+    """The guess of the pressures without negative ones, and its gap."""
+    for i in range(p.shape[0]):
+        p[i] = max(p[i], 0.0)
+    q, gap = (w.mixed.total, w.mixed.gap) if bodies.roughness > 0.0 else (p, h)
+    fill_film(q, approach, problem.drive.radius, problem.scale, bodies, w, gap)
+
+
+@kernel
 def newton(
     p: Any, h: Any, approach: float, problem: FilmProblem, bodies: Bodies, fluid: Lubricant, old: Any,
     w: Workspace, tolerance: float = TOLERANCE,
 ) -> FilmSolution:  # fmt: skip
-    """p and h are the guess and the result; a result whose error is not 0 must not be used.
+    """p and h are the guess, of `begin_newton` or of this, and the result, not to be used if it has an error.
 
     Between rough surfaces w.mixed.total is the guess of the pressure, and p tells where it is the fluid's;
     the result is in both. `old` is rho h times the volumes at the step's start (m^2). The factors in w are
@@ -259,11 +268,9 @@ def newton(
     last, reach, most = 0, 0, n
     highest = PRESSURE_FLOOR
     for i in range(n):
-        p[i] = max(p[i], 0.0)
         w.fixed[i] = 0.0 if 0 < i < n - 1 and p[i] > 0.0 else 1.0
         w.recent[i] = 0.0
         highest = max(highest, q[i])
-    fill_film(q, approach, problem.drive.radius, problem.scale, bodies, w, gap)
     if rough:
         touch(bodies, w.mixed, h)
         fluid_pressure(p, w.fixed, w.mixed)

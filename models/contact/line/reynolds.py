@@ -13,7 +13,7 @@ viscosity rises a thousandfold within a few nodes, any other mean sets a wrong f
 import math
 from typing import Any, NamedTuple
 
-from ...compile.kernel import kernel
+from ...compile.kernel import kernel, uncounted
 from ..fluid import Lubricant, density_ratio, density_slope, log_viscosity, thinning
 
 # Relative to which the difference of logarithms of fluidity is small: its mean is then a series.
@@ -114,7 +114,7 @@ class Carried(NamedTuple):
     reach: float
 
 
-@kernel
+@uncounted
 def carried(X: Any, i: int, scale_rate: float, drive: Flow, filled: Any, drift: float) -> Carried:
     """Through the face between nodes i and i + 1, with so much `drift` (m/s) besides. The extrapolation fades
     with the filling of both nodes, by which no layer becomes negative."""
@@ -131,7 +131,7 @@ def carried(X: Any, i: int, scale_rate: float, drive: Flow, filled: Any, drift: 
     return Carried(near, far, velocity, reach)
 
 
-@kernel
+@uncounted
 def balance(
     X: Any, scale: float, scale_rate: float, p: Any, h: Any, f: Nodes, drive: Flow, fluid: Lubricant,
     old: Any, time_step: float, residual: Any, A: Any, B: Any,

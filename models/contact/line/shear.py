@@ -17,7 +17,7 @@ tau_c, not the flow, is cut by the limiting stress, as by `friction`.
 import math
 from typing import Any, NamedTuple
 
-from ...compile.kernel import inlined, kernel
+from ...compile.kernel import inlined, kernel, uncounted
 from ..fluid import ROELANDS, Lubricant, log_viscosity, thinning
 from ..friction import Traction, find_sheared_share
 from ..rheology import GRADUAL, Thermal, limited_stress, pressed_share, thin_by_heat
@@ -265,7 +265,7 @@ def shear_node(
         heat.wedging[i] = sliding * wedging * by_pressed
 
 
-@kernel
+@uncounted
 def thin_film(fluid: Lubricant, laws: HeatLaws, heat: Heat, nodes: Any) -> None:
     """What temperatures make of the oil: heat.thinned, and the expansion of the film's mean into `nodes`."""
     n, layers = heat.thinned.shape
@@ -278,7 +278,7 @@ def thin_film(fluid: Lubricant, laws: HeatLaws, heat: Heat, nodes: Any) -> None:
         nodes.expansion[i] = math.exp(-laws.expansion * total / layers)
 
 
-@kernel
+@uncounted
 def flow_film(
     X: Any, scale: float, p: Any, h: Any, sliding: float, fluid: Lubricant, heat: Heat, nodes: Any
 ) -> None:
@@ -287,7 +287,7 @@ def flow_film(
         fill_flow(i, X, scale, p, h, sliding, fluid, heat, nodes)
 
 
-@kernel
+@uncounted
 def shear_film(
     X: Any, scale: float, p: Any, h: Any, sliding: float, fluid: Lubricant, laws: HeatLaws, heat: Heat,
     nodes: Any,

@@ -21,7 +21,7 @@ from ...fluid import Lubricant
 from ...hertz import deflection
 from ...line.grid import REACH, fill_kernel_matrix, place_nodes
 from ...line.mixed import Bodies, fill_total
-from ...line.newton import FilmProblem, FilmSolution, fill_film, forget_factors, newton
+from ...line.newton import FilmProblem, FilmSolution, begin_newton, fill_film, forget_factors, newton
 from ...line.reynolds import Flow, properties
 from ...line.transient import masses, place_film
 from ...line.workspace import Workspace, workspace_in, workspace_size
@@ -128,6 +128,7 @@ def take_step(
         for i in range(p.shape[0]):
             approach = min(approach, w.film_change[i] - h[i])
     forget_factors(w)
+    begin_newton(p, h, approach, problem, bodies, w)
     return newton(p, h, approach, problem, bodies, fluid, mass, w)
 
 
