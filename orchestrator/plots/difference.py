@@ -25,13 +25,15 @@ def applies(data: FigureData) -> bool:
 
 
 def choose_variables(data: FigureData) -> list[str]:
-    """Variables with a tolerance, or else those that are exchanged, as far as they vary and have an error."""
+    """Variables with a tolerance, or else those exchanged, that vary and have an error to be drawn."""
     exchanged = list(dict.fromkeys(data.drivers.values()))
     varying = [
         [
             name
             for name in wanted
-            if name in data.reference and compute_spread(data, name) > 0.0 and np.any(data.error(name))
+            if name in data.reference
+            and (spread := compute_spread(data, name)) > 0.0
+            and np.any(np.abs(data.error(name)) > FLOOR * spread)
         ]
         for wanted in (data.tolerance, exchanged)
     ]

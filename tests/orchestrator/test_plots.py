@@ -245,8 +245,9 @@ def test_many_valves_are_all_drawn_and_named(bouncing):
 
 def test_each_judged_variable_has_its_error_and_its_tolerance_in_a_panel(bouncing):
     off = {"contact.load": bouncing.coupled["contact.load"] + 0.2}
+    off["contact.film_thickness"] = np.nextafter(bouncing.coupled["contact.film_thickness"], 1.0)
     one = difference.draw(replace(bouncing, coupled=bouncing.coupled | off))
-    assert len(one.axes) == 1  # no panel for a variable without an error
+    assert len(one.axes) == 1  # no panel for a variable without an error above rounding
     off["contact.film_thickness"] = bouncing.coupled["contact.film_thickness"] * 1.01
     off["camshaft.cam_angle"] = 0.9999 * bouncing.coupled["camshaft.cam_angle"]  # of a soft shaft
     figure = difference.draw(replace(bouncing, coupled=bouncing.coupled | off))
