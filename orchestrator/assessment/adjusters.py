@@ -44,7 +44,7 @@ def _over_turn(find: Callable[[Part], Found]) -> Callable[[Part], Found]:
 def _move(turn: Part, flow: str) -> float:
     """By how much a flow (m3/s) of this turn moves the plunger (m)."""
     area = 0.25 * math.pi * turn.parameter("plunger_diameter") ** 2
-    return float(np.trapezoid(np.maximum(turn[flow], 0.0), turn.motion.times)) / area
+    return turn.integrate(np.maximum(turn[flow], 0.0), turn.motion.times) / area
 
 
 def _leave(part: Part) -> Found:

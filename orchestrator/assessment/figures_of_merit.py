@@ -125,9 +125,8 @@ def _least_lift(valve: Part) -> Found:
 
 
 def _lift_area(valve: Part) -> Found:
-    """Of a turn."""
-    turns = np.nan_to_num(valve.turned[-1]) / (2.0 * math.pi)
-    return Found(float(np.trapezoid(valve["valve_lift"], valve.turned)) / max(1, round(turns)))
+    """Of a turn. Without a corner where the seat is met, as exact derivatives need it."""
+    return Found(valve.integrate(valve["valve_lift"], valve.turned) / max(1, valve.motion.turns))
 
 
 def _least_gap(spring: Part) -> Found:
@@ -225,8 +224,9 @@ _friction_power = _mean_power("friction_force", "sliding_velocity")
 
 def _friction_torque(part: Part) -> Found:
     """The power over the mean speed of the cam."""
-    times, turned = part.motion.times, float(part.angle[-1] - part.angle[0])
-    return Found(_friction_power(part).value * (times[-1] - times[0]) / turned) if turned else NONE
+    turned = part.integrate(np.ones(part.motion.times.size), part.angle)
+    work = part.integrate(part["friction_force"] * part["sliding_velocity"], part.motion.times)
+    return Found(work / turned) if turned else NONE
 
 
 def _landing_lift(valve: Part) -> Found:
@@ -304,7 +304,7 @@ CONTACT: Mapping[str, Figure] = {
 VALVE: Mapping[str, Figure] = {
     "largest_lift": (Quantity("m", "largest lift", display_unit="mm"), _largest("valve_lift")),
     "lift_area": (
-        Quantity("m", "lift, integrated over the cam angle in radians", display_unit="mm"),
+        Quantity("m", "lift over the cam angle in radians, less the seat's compression", display_unit="mm"),
         _lift_area,
     ),
     "least_lift": (

@@ -22,7 +22,7 @@ from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
-from .motion import Motion
+from .motion import RUN, Motion
 from .trains import (
     Angle,
     Train,
@@ -124,7 +124,7 @@ def describe(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
 def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
     """A line for each train."""
     found = {(merit.part, merit.figure): merit for merit in merits}
-    told = []
+    told, window = [], read_motion(system, read).window
     for train in (trains := find_trains(system)):
         margin, followed = _follow(train, found)
         said = [
@@ -138,7 +138,7 @@ def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list
         lossy = train.parts if len(trains) > 1 else tuple(system.instances)
         said += _list_contacts(train, found)
         if friction := sum_friction(system, merits, lossy):
-            said.append(_describe_friction(friction))
+            said.append(_describe_friction(friction, window))
         if said:
             told.append((margin, f"{train.valve}: {'; '.join(said)}"))
     if len(told) <= SHOWN:
@@ -318,8 +318,8 @@ def sum_friction(system: System, merits: Sequence[Merit], parts: Sequence[str] =
     return Friction(inside, sum(powers.values()) - inside, name_outside(powers))
 
 
-def _describe_friction(found: Friction) -> str:
-    said = f"friction {found.in_the_motion + found.outside:.3g} W in the mean of the run"
+def _describe_friction(found: Friction, window: str) -> str:
+    said = f"friction {found.in_the_motion + found.outside:.3g} W in the mean of {window}"
     if not found.left_out:
         return f"{said}, all of it in the motion"
     inside, outside = f"{found.in_the_motion:.3g} W in the motion", f"{found.outside:.3g} W outside"
@@ -366,6 +366,8 @@ def write_merits(
         shares = f"{inside:.6g} W in the motion, {outside:.6g} W outside"
         row = format_number(inside + outside, 6), "W", "", "", "", "", shares, ""
         table.writerow(("all parts", "mean friction power", *row))
+    if (window := read_motion(system, read).window) != RUN:
+        table.writerow(("run", "means and integrals", *[""] * (len(HEAD) - 3), f"over {window}"))
     table.writerows(("run", "warning", *[""] * (len(HEAD) - 3), doubt) for doubt in doubts)
     # Spreadsheets take a file for UTF-8 by its first three bytes.
     atomic_write.write_whole(path, text.getvalue().encode("utf-8-sig"))

@@ -37,6 +37,7 @@ SLACK = math.radians(3.6)
 ROUNDING = 1e-9
 # Of its largest lift: from here on a cam is at its nose.
 NEAR = 1.0 - 1e-3
+RUN = "the run"
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,32 @@ class Motion:
     times: Vector
     column: Callable[[str], Vector]
     angle: Angle | None
+
+    @cached_property
+    def turned(self) -> Vector:
+        """Revolutions of the first cam, else of `angle`, since the first row, either way; nan without any."""
+        angle = next((train.angle for train in find_trains(self.system)), self.angle)
+        turned = angle.factor * self.column(angle.source) if angle else np.nan * self.times
+        return np.asarray(np.abs(turned - turned[0]) / (2.0 * math.pi))
+
+    @cached_property
+    def turns(self) -> int:
+        """Whole revolutions that the rows hold."""
+        return math.floor(np.nan_to_num(self.turned[-1]) + SLACK / (2.0 * math.pi))
+
+    @cached_property
+    def begin(self) -> float:
+        """When the last of these begin (s), from where on means are taken: of none at the first row."""
+        before = self.turned[-1] - self.turns
+        return float(np.interp(before, self.turned, self.times) if self.turns else self.times[0])
+
+    @property
+    def window(self) -> str:
+        """Over what means are taken, in words."""
+        rest = self.turned[-1] - self.turns
+        if self.turns and 2.0 * math.pi * rest > SLACK:
+            return f"its last {self.turns} revolutions" if self.turns > 1 else "its last revolution"
+        return RUN if self.turns or np.isnan(rest) else f"{RUN}, which is less than a revolution"
 
     def cut(self, first: int) -> "Motion":
         """The rows from this one on."""
@@ -130,8 +157,18 @@ class Part:
     def parameter(self, name: str) -> float:
         return parameter_of(self.motion.system.instances[self.name], name)
 
+    def integrate(self, values: Vector | NDArray[np.bool_], over: Vector) -> float:
+        """Over a variable, in the last whole revolutions of the motion, of less in all rows."""
+        times, begin = self.motion.times, self.motion.begin
+
+        def cut(rows: Vector | NDArray[np.bool_]) -> Vector:
+            first = [np.interp(begin, times, np.asarray(rows, dtype=np.float64))]
+            return np.concatenate([first, rows[times > begin]])
+
+        y, x = cut(values), cut(over)
+        return float(0.5 * np.sum((y[1:] + y[:-1]) * np.diff(x)))
+
     def mean(self, values: Vector | NDArray[np.bool_]) -> float:
-        """Over the time."""
-        # The sum of two truth values is a truth value.
-        numbers, times = np.asarray(values, dtype=np.float64), self.motion.times
-        return float(np.trapezoid(numbers, times) / (times[-1] - times[0]))
+        """Over the time, as `integrate` does."""
+        times = self.motion.times
+        return self.integrate(values, times) / float(times[-1] - self.motion.begin)

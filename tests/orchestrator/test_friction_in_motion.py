@@ -41,7 +41,7 @@ def test_friction_is_in_the_motion_where_all_that_it_brakes_take_it(scenario, cu
 # A direct train whose shaft feels the friction of the contact, with a guide.
 RUBBING = """
 extends = "valve-train"
-stop_time = "62 ms"
+stop_time = "60 ms"
 macro_step = "20 us"
 connections = [
     "contact.friction_force -> camshaft.friction_force",

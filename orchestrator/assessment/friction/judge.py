@@ -16,11 +16,11 @@ from ...scenario.system import build_system, list_parameters
 from ...store.output_folder import RESULT, SCENARIO, find_remedy, refuse_missing
 from ...store.result_file import open_result
 from ..merits import read_motion
-from ..motion import Motion
-from ..trains import find_cams, find_drive_angle, find_law, find_trains, list_parts
-from .cycle import OF_CAM, OF_CONTACT, TURN, last_revolution, wear
+from ..motion import Motion, Part
+from ..trains import find_cams, find_law, find_trains, list_parts
+from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
 from .report import Judged
-from .shares import Losses, cut_last_turn, measure_losses
+from .shares import Losses, measure_losses
 
 
 def judge_friction(
@@ -57,14 +57,13 @@ def judge_friction(
 
 
 def judge_losses(folder: Path, scenario: Scenario) -> tuple[Losses, Motion]:
-    """The friction of all parts over the last turn of the first cam, of the drive where there is none."""
+    """The friction of all parts over the last turn of the first cam, and the rows of that turn."""
     system = build_system(scenario)
-    angle = next((train.angle for train in find_trains(system)), find_drive_angle(system))
     with open_result(folder) as result:
         group = result["coupled"].ds.load()
     motion = read_motion(system, lambda name: np.asarray(group[name].values, float))
-    turned = abs(float(np.ptp(angle.factor * motion.column(angle.source)))) if angle else TURN
-    cut = cut_last_turn(motion, turned)
+    turn = Part(motion, find_trains(system)[0].cam).last_turn
+    cut = turn.motion if turn else motion
     return measure_losses(cut), cut
 
 

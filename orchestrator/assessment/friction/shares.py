@@ -107,13 +107,6 @@ def describe_torque(found: Losses) -> Iterator[str]:
     yield f"{text}; the motion has {say(found.drive)}, without {left_out}" if left_out else text
 
 
-def cut_last_turn(motion: Motion, turned: float) -> Motion:
-    """The rows of the last turn of an angle that turned so far (rad)."""
-    begin = motion.times[-1] - (motion.times[-1] - motion.times[0]) * min(1.0, 2.0 * math.pi / turned)
-    first = int(np.searchsorted(motion.times, begin - 1e-9 * motion.times[-1]))
-    return motion.cut(first)
-
-
 def tabulate_losses(found: Losses) -> Table:
     """Powers, and the drive torques of the same power, by share."""
     title = "Friction of the whole train, means over that revolution"
