@@ -4,8 +4,6 @@ import gc
 import os
 import sys
 
-from models.core.interruption import deferred, look
-
 from .packages import find_shadowed
 
 
@@ -21,6 +19,8 @@ def main() -> None:
     if message := find_shadowed():
         print(f"tribocosim: {message}", file=sys.stderr)
         sys.exit(2)
+    from models.core.interruption import deferred, look
+
     _open_closed_streams()
     # Our matrices are small: threads would wait for each other longer than they compute, and the order of
     # their sums, so the last bits of results, would depend on the number of processors.

@@ -125,7 +125,7 @@ def _least_lift(valve: Part) -> Found:
 
 
 def _lift_area(valve: Part) -> Found:
-    """Of a turn. Without a corner where the seat is met, as exact derivatives need it."""
+    """Of a turn, where the seat's compression counts as negative lift."""
     return Found(valve.integrate(valve["valve_lift"], valve.turned) / max(1, valve.motion.turns))
 
 

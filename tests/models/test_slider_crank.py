@@ -253,9 +253,9 @@ def engine(psi: float) -> System:
 def test_system_checks_the_start_with_connected_inputs():
     check_start(engine(0.0157), 0.0, engine(0.0157).x0)
     for psi in (0.0158, -0.0158):
-        with pytest.raises(ModelError, match=rf"^engine\.psi = {psi:g} rad .*crank_angle = 1\.5708"):
+        with pytest.raises(ModelError, match=rf"^components\.engine\.start\.psi = {psi:g} rad .*= 1\.5708"):
             check_start(engine(psi), 0.0, engine(psi).x0)
-    with pytest.raises(ModelError, match=r"^engine\.psi"):
+    with pytest.raises(ModelError, match=r"^components\.engine\.start\.psi"):
         solve(engine(0.02), np.linspace(0.0, 1e-3, 3))
 
 

@@ -187,7 +187,7 @@ def test_a_public_package_runs_or_names_the_library_that_lacks(tmp_path):
         said = run(one, tmp_path / "out", never, Reporter(), figures=False).message
     except ScenarioError as error:
         said = str(error)
-        assert not any((tmp_path / "out").iterdir())
+        assert not (tmp_path / "out").exists()
     assert not said or re.search(r"scenario: instantiate: .*GLIBC", said)
 
 

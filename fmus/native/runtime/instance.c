@@ -350,7 +350,7 @@ static const double *move_inside(const Instance *instance, double *x)
 
 void instance_all_derivatives(Instance *instance, double *dx)
 {
-    double x[STATES + 1];
+    double x[STATES + 1] = {0};
     const double *data = instance->now.data;
     instance_ready(instance, OUTPUTS_AT);
     CALL(derivative, data[T_AT], data + X_AT, data + U_AT, data, dx);
@@ -373,7 +373,7 @@ void instance_indicators(Instance *instance, double *g)
 #if GUARDS
     const double *data = instance->now.data;
     instance_ready(instance, OUTPUTS_AT);
-    double x[STATES + 1];
+    double x[STATES + 1] = {0};
     CALL(guards, data[T_AT], data + X_AT, data + U_AT, data, g);
     if (!all_finite(g, GUARDS)) CALL(guards, data[T_AT], move_inside(instance, x), data + U_AT, data, g);
 #else

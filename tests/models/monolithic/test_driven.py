@@ -124,7 +124,7 @@ def test_a_train_rests_on_its_lifted_cam() -> None:
 
 
 def test_where_no_equilibrium_is_found_the_cam_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(_Rest, "solve", lambda self: np.ones(self.index.size))
+    monkeypatch.setattr(_Rest, "is_close", lambda self, scaled: False)
     system = valve_train(3000.0, camshaft={"phase": math.radians(150.0)})
     with pytest.raises(
         ModelError, match=r"camshaft: .* its cam lifts by 6\.55 mm .* begin on the base circle"
