@@ -115,7 +115,7 @@ def _spread(system: System, flywheel: str, changes: Mapping[str, float]) -> dict
 def differentiate_figures(tangents: CycleTangents, flywheel: str, turns: int = 1) -> dict[str, FigureSlopes]:
     """Of all figures by "part.figure", but angles and those that a motion of so many turns has not."""
     rows = tangents.rows_at(_find_times(tangents, flywheel, turns))
-    values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
+    values = _measure(_build_motion(tangents.system, rows.times, rows.inputs, rows.outputs, flywheel))
     count = len(tangents.directions)
     sides = []
     for k in range(count):
