@@ -115,7 +115,7 @@ def _spread(system: System, flywheel: str, changes: Mapping[str, float]) -> dict
 def differentiate_figures(tangents: CycleTangents, flywheel: str, turns: int = 1) -> dict[str, FigureSlopes]:
     """Of all figures by "part.figure", but angles and those that a motion of so many turns has not."""
     rows = tangents.rows_at(_find_times(tangents, flywheel, turns))
-    values = _measure(_build_motion(tangents.system, rows.times, rows.inputs, rows.outputs, flywheel))
+    values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
     count = len(tangents.directions)
     sides = []
     for k in range(count):
@@ -151,7 +151,7 @@ def _move(tangents: CycleTangents, rows: Rows, direction: int, share: float, fly
         return values if share == 0.0 else values + share * by[direction]
 
     return _build_motion(
-        _change(tangents.system, tangents.directions[direction], share),
+        _change(tangents.system, tangents.directions[direction], share) if share else tangents.system,
         moved(rows.times, rows.times_by),
         moved(rows.inputs, rows.inputs_by),
         moved(rows.outputs, rows.outputs_by),
@@ -179,8 +179,6 @@ def _measure_sides(
 
 def _change(system: System, direction: Direction, share: float) -> System:
     """The system with this share of a change of its parameters."""
-    if share == 0.0:
-        return system
     instances = dict(system.instances)
     for place, size in direction.parameters.items():
         name, _, parameter = place.partition(".")
