@@ -52,7 +52,7 @@ if (_beside := Path(__file__).parents[2] / HOME).is_dir():
 sys.modules.setdefault(HOME, python_types.ModuleType(HOME))
 
 # The layout of files; another writer's are not read.
-LAYOUT = 2
+LAYOUT = 3
 # Code (bytes of LLVM's) of which a call takes no noticeable time.
 LARGE = 60_000
 
@@ -154,7 +154,9 @@ class KernelCache(caching._Cache):
         """The compiled code, of what a file has kept."""
         machine_code, own = kept
         _load(machine_code, target_context)
-        return rebuild(target_context, *own)
+        compiled = rebuild(target_context, *own)
+        compiled.library.machine_code = machine_code  # callers that are compiled later need it in their files
+        return compiled
 
 
 class Link:

@@ -142,6 +142,9 @@ def test_a_kernel_serves_callers_and_python(large: str, tmp_path: Path) -> None:
     # Another caller, of whole numbers, links what another process compiled.
     once = f"{begin}; b = outer(a); print(b(1), sum(a._cache_hits.values()), shared(b, outer(b)))"
     assert run(tmp_path, once) == f"9.0 1 {2 if large else 0}\n", "those of a for whole and for real numbers"
+    # A caller that is compiled after Python has called the kernel from the cache is whole in another process.
+    for calls, said in ("b(1j)", "9j"), ("b(1j), outer(b)(1j)", "9j 81j"), ("outer(b)(1j)", "81j"):
+        assert run(tmp_path, f"{begin}; b = outer(a); print({calls})") == f"{said}\n"
 
 
 def test_kernels_of_a_wheel_are_loaded_and_none_is_compiled(tmp_path: Path) -> None:
