@@ -14,7 +14,7 @@ from models.core.words import tally
 
 from ..scenario.display import format_number
 from .lost_contact import LOST, ContactLaw, find_lost
-from .motion import NONE, Found, Part
+from .motion import NONE, Figure, Found, Part
 from .trains import find_rigid_lift
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def _shift(closing: bool) -> Callable[[Part], Found]:
     return find
 
 
-ADJUSTER: Mapping[str, tuple[Quantity, Callable[[Part], Found]]] = {
+ADJUSTER: Mapping[str, Figure] = {
     "chamber_pressure": (
         Quantity("Pa", "highest pressure of the chamber, over the supply's", display_unit="MPa"),
         lambda part: Found.largest(part["pressure"]),

@@ -12,11 +12,11 @@ from models.contact.records import ATOM
 from models.core import roles
 from models.core.component import Component
 from models.core.quantities import Quantity
-from models.valve_train.wire_materials import Fatigue
 
 from .adjusters import ADJUSTER
 from .grooves import find_load_from_groove
-from .motion import NONE, Found, Motion, Part
+from .motion import NONE, Figure, Found, Motion, Part, find_largest, find_least
+from .springs import COIL_SPRING, LOADED_SPRING
 from .trains import LIFTED
 
 # Of the largest lift: above it a valve is open.
@@ -25,17 +25,8 @@ OPENED = 0.05
 AFTER = math.pi / 3.0
 
 
-Figure = tuple[Quantity, Callable[[Part], Found]]
 PRESSURE = Quantity("Pa", display_unit="MPa")
 SHARE = Quantity("1", display_unit="%")
-
-
-def _largest(variable: str) -> Callable[[Part], Found]:
-    return lambda part: Found.largest(part[variable])
-
-
-def _least(variable: str) -> Callable[[Part], Found]:
-    return lambda part: Found.at(part[variable], np.argmin(part[variable]))
 
 
 def _mean(variable: str) -> Callable[[Part], Found]:
@@ -110,12 +101,6 @@ def _spring_margin(valve: Part) -> Found:
     return Found.at(share, np.argmin(share))
 
 
-def _surge(part: Part) -> Found:
-    """Largest force of the coils' own motion: the spring's less that of its static rate."""
-    static = part.parameter("preload") + part.parameter("spring_rate") * part["position"]
-    return Found.largest(np.abs(part["spring_force"] - static))
-
-
 def _least_lift(valve: Part) -> Found:
     """In the last whole turn, 0 of a valve that closes; none of less, and of a valve without a seat."""
     turn = valve.last_turn
@@ -127,42 +112,6 @@ def _least_lift(valve: Part) -> Found:
 def _lift_area(valve: Part) -> Found:
     """Of a turn, where the seat's compression counts as negative lift."""
     return Found(valve.integrate(valve["valve_lift"], valve.turned) / max(1, valve.motion.turns))
-
-
-def _least_gap(spring: Part) -> Found:
-    """None of coils whose gaps are not computed: they stay as they are."""
-    return _least("least_gap")(spring) if np.ptp(spring["least_gap"]) else NONE
-
-
-def _stress(force: str) -> Callable[[Part], Found]:
-    """Of the largest force, in coils that do not touch; none of a spring whose wire is not known."""
-
-    def find(spring: Part) -> Found:
-        row, by_force = np.argmax(spring[force]), spring.parameter("wire_stress")
-        return Found.at(by_force * spring[force], row) if by_force > 0.0 else NONE
-
-    return find
-
-
-def _fatigue_safety(force: str) -> Callable[[Part], Found]:
-    """Goodman's line, between the least and the largest force."""
-
-    def find(spring: Part) -> Found:
-        by_force = spring.parameter("wire_stress")
-        fatigue = Fatigue(spring.parameter("wire_amplitude"), spring.parameter("wire_strength"))
-        if not min(by_force, fatigue.amplitude, fatigue.mean) > 0.0:
-            return NONE
-        low, high = by_force * float(np.min(spring[force])), by_force * float(np.max(spring[force]))
-        return Found(1.0 / fatigue.use(0.5 * (high - low), 0.5 * (high + low)))
-
-    return find
-
-
-def _wire(force: str) -> Mapping[str, Figure]:
-    return {
-        "largest_stress": (PRESSURE.of("largest shear stress in the wire"), _stress(force)),
-        "fatigue_safety": (Quantity("1", "safety of the wire against fatigue"), _fatigue_safety(force)),
-    }
 
 
 def _twist(shaft: Part) -> Found:
@@ -184,7 +133,7 @@ def _least_load_angle(contact: Part) -> Found:
 
 def _least_film(contact: Part) -> Found:
     """Of a film below an atom nothing."""
-    film = _least("minimum_film_thickness")(contact)
+    film = find_least("minimum_film_thickness")(contact)
     return film if film.value >= ATOM else Found(0.0, film.row)
 
 
@@ -247,7 +196,7 @@ def _ramp_left(valve: Part) -> Found:
 
 def _least_clearance_angle(watched: Part) -> Found:
     """Of the crank, from the top dead centre."""
-    row = _least("clearance")(watched).row
+    row = find_least("clearance")(watched).row
     angle = watched.parameter("angle_ratio") * (watched["angle"][row] - watched.parameter("top_angle"))
     return Found(math.remainder(float(angle), 2.0 * math.pi), row)
 
@@ -265,13 +214,13 @@ CONTACT: Mapping[str, Figure] = {
         Quantity("rad", "cam angle of the least load", display_unit="deg"),
         _least_load_angle,
     ),
-    "largest_load": (Quantity("N", "largest load"), _largest("load")),
+    "largest_load": (Quantity("N", "largest load"), find_largest("load")),
     "lost": (SHARE.of("share of the time in which contact is lost"), lambda c: Found(c.mean(c.lost))),
     "lost_on_nose": (
         SHARE.of("share of the time in which contact is lost from where the cam slows the valve"),
         _lost_on_nose,
     ),
-    "peak_pressure": (PRESSURE.of("largest Hertz pressure"), _largest("maximum_pressure")),
+    "peak_pressure": (PRESSURE.of("largest Hertz pressure"), find_largest("maximum_pressure")),
     "stress_ratio": (
         Quantity("1", "largest Hertz pressure over the permissible one, elastic_limit"),
         lambda c: Found(float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit")),
@@ -282,7 +231,7 @@ CONTACT: Mapping[str, Figure] = {
     ),
     "least_film_ratio": (
         Quantity("1", "least film over roughness; the film bears the fluid's share of the load"),
-        _least("film_ratio"),
+        find_least("film_ratio"),
     ),
     "nose_pressure": (PRESSURE.of("Hertz pressure at the nose"), _at_nose("maximum_pressure")),
     "nose_film": (
@@ -302,13 +251,13 @@ CONTACT: Mapping[str, Figure] = {
     "friction_torque": (Quantity("N.m", "mean friction power over the speed of the cam"), _friction_torque),
 }
 VALVE: Mapping[str, Figure] = {
-    "largest_lift": (Quantity("m", "largest lift", display_unit="mm"), _largest("valve_lift")),
+    "largest_lift": (Quantity("m", "largest lift", display_unit="mm"), find_largest("valve_lift")),
     "lift_area": (
         Quantity("m", "lift over the cam angle in radians, less the seat's compression", display_unit="mm"),
         _lift_area,
     ),
     "least_lift": (
-        Quantity("m", "least lift in a turn, by which the valve never closes", display_unit="mm"),
+        Quantity("m", "lift left where the valve should be closed; 0: it closes", display_unit="mm"),
         _least_lift,
     ),
     "spring_margin": (
@@ -319,28 +268,11 @@ VALVE: Mapping[str, Figure] = {
     "landing_lift": (Quantity("m", "lift of the cam at landing", display_unit="mm"), _landing_lift),
     "ramp_left": (Quantity("1", "lift of the cam over its ramp's height at landing"), _ramp_left),
     "bounce": (Quantity("m", "bounce after landing", display_unit="um"), _bounce),
-    "largest_seat_force": (Quantity("N", "largest seat force"), _largest("seat_force")),
-}
-SPRING: Mapping[str, Figure] = {
-    "least_gap": (
-        Quantity("m", "least travel left to coil bind, by the tightest coils", display_unit="mm"),
-        _least_gap,
-    )
-}
-LOADED_SPRING: Mapping[str, Figure] = {
-    "largest_spring_force": (Quantity("N", "largest spring force"), _largest("spring_force")),
-    "surge_force": (Quantity("N", "largest force by surge"), _surge),
-    **SPRING,
-    **_wire("spring_force"),
-}
-COIL_SPRING: Mapping[str, Figure] = {
-    **SPRING,
-    "largest_clash_force": (Quantity("N", "largest force between coils that clash"), _largest("clash_force")),
-    **_wire("force"),
+    "largest_seat_force": (Quantity("N", "largest seat force"), find_largest("seat_force")),
 }
 DRIVE: Mapping[str, Figure] = {
-    "least_torque": (Quantity("N.m", "least torque"), _least("supplied_torque")),
-    "largest_torque": (Quantity("N.m", "largest torque"), _largest("supplied_torque")),
+    "least_torque": (Quantity("N.m", "least torque"), find_least("supplied_torque")),
+    "largest_torque": (Quantity("N.m", "largest torque"), find_largest("supplied_torque")),
     "mean_torque": (Quantity("N.m", "mean torque"), _mean("supplied_torque")),
 }
 SHAFT: Mapping[str, Figure] = {
@@ -355,7 +287,7 @@ ROLLING: Mapping[str, Figure] = {
 CLEARANCE: Mapping[str, Figure] = {
     "least_clearance": (
         Quantity("m", "least clearance between valve and piston", display_unit="mm"),
-        _least("clearance"),
+        find_least("clearance"),
     ),
     "least_clearance_angle": (
         Quantity("rad", "crank angle of the least clearance, from top dead centre", display_unit="deg"),
@@ -374,13 +306,13 @@ ROLLER: Mapping[str, Figure] = {
     )
 }
 BEARING: Mapping[str, Figure] = {
-    "bearing_load": (Quantity("N", "largest load of the bearing"), _largest("load")),
+    "bearing_load": (Quantity("N", "largest load of the bearing"), find_largest("load")),
     **{name: CONTACT[name] for name in ("least_film", "least_film_ratio")},
     "largest_eccentricity": (
         Quantity("1", "largest eccentricity over the clearance"),
-        _largest("eccentricity_ratio"),
+        find_largest("eccentricity_ratio"),
     ),
-    "peak_pressure": (PRESSURE.of("highest pressure of the film"), _largest("maximum_pressure")),
+    "peak_pressure": (PRESSURE.of("highest pressure of the film"), find_largest("maximum_pressure")),
     "load_from_groove": (
         Quantity("rad", "from the nearest groove's middle to the load at the least film", display_unit="deg"),
         find_load_from_groove,

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from models.core.component import Component
-from models.core.quantities import Vector
+from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
-from .trains import Angle, Train, find_lost_rows, find_train, find_trains, parameter_of
+from .trains import OPEN, Angle, Train, find_lost_rows, find_train, find_trains, parameter_of
 
 
 class Found(NamedTuple):
@@ -33,7 +33,7 @@ class Found(NamedTuple):
 
 NONE = Found(math.nan)
 # The last rows within this of a turn (rad) are one.
-SLACK = math.radians(3.6)
+SLACK = 2.0 * math.pi * OPEN
 ROUNDING = 1e-9
 # Of its largest lift: from here on a cam is at its nose.
 NEAR = 1.0 - 1e-3
@@ -60,7 +60,7 @@ class Motion:
     @cached_property
     def turns(self) -> int:
         """Whole revolutions that the rows hold."""
-        return math.floor(np.nan_to_num(self.turned[-1]) + SLACK / (2.0 * math.pi))
+        return math.floor(np.nan_to_num(self.turned[-1]) + OPEN)
 
     @cached_property
     def begin(self) -> float:
@@ -72,7 +72,7 @@ class Motion:
     def window(self) -> str:
         """Over what means are taken, in words."""
         rest = self.turned[-1] - self.turns
-        if self.turns and 2.0 * math.pi * rest > SLACK:
+        if self.turns and rest > OPEN:
             return f"its last {self.turns} revolutions" if self.turns > 1 else "its last revolution"
         return RUN if self.turns or np.isnan(rest) else f"{RUN}, which is less than a revolution"
 
@@ -165,10 +165,21 @@ class Part:
             first = [np.interp(begin, times, np.asarray(rows, dtype=np.float64))]
             return np.concatenate([first, rows[times > begin]])
 
-        y, x = cut(values), cut(over)
-        return float(0.5 * np.sum((y[1:] + y[:-1]) * np.diff(x)))
+        return float(np.trapezoid(cut(values), cut(over)))
 
     def mean(self, values: Vector | NDArray[np.bool_]) -> float:
         """Over the time, as `integrate` does."""
         times = self.motion.times
         return self.integrate(values, times) / float(times[-1] - self.motion.begin)
+
+
+# What is asked of a part, and how it is found.
+Figure = tuple[Quantity, Callable[[Part], Found]]
+
+
+def find_largest(variable: str) -> Callable[[Part], Found]:
+    return lambda part: Found.largest(part[variable])
+
+
+def find_least(variable: str) -> Callable[[Part], Found]:
+    return lambda part: Found.at(part[variable], np.argmin(part[variable]))

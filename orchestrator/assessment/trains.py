@@ -27,7 +27,7 @@ ENDS = (
 CRANKS = ENDS[-3:]
 # Of the largest lift: above it a cam lifts.
 LIFTED = 0.1
-# Of a revolution: what a run may lack of it.
+# Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
 OPEN = 0.01
 WORDS = {"cam_angle": "Cam angle", "crank_angle": "Crank angle", "shaft_angle": "Shaft angle"}
 

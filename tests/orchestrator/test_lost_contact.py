@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import xarray
 
 from models.catalogue import CATALOGUE
 from models.core.quantities import Quantity
@@ -17,6 +18,7 @@ from orchestrator.plots.data import FigureData
 from orchestrator.report.packing import list_spans
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
+from orchestrator.study.speeds.separation import name_lost
 
 # A lash of 0.2 mm, and a lobe above 0.8 mm.
 LAW = ContactLaw(0.2e-3, 0.8e-3)
@@ -126,3 +128,8 @@ def test_texts_figures_pages_and_cycles_have_one_definition():
 def test_a_lash_that_leaves_some_lift_is_taken():
     """9 mm at the valve are 7.2 mm at the rod's end of the rocker, of a cam that lifts by 7.35 mm."""
     check_lash(build_system(load("pushrod-train", ["components.valve_spring.parameters.lash=9 mm"])))
+
+
+def test_the_contact_that_is_lost_is_named_where_there_are_several():
+    at = xarray.Dataset({"cam_contact.lost": 0.0, "tip.lost": 0.2, "tip.lost_on_nose": 0.1})
+    assert (name_lost(at), name_lost(at[["tip.lost"]])) == (" in tip", "")

@@ -34,7 +34,6 @@ from orchestrator.study.speeds.separation import (
     find_first,
     find_second,
     find_separation,
-    name_lost,
 )
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
 from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table
@@ -301,11 +300,6 @@ def test_a_run_and_a_sweep_are_not_compared(tmp_path):
         assert said(done).endswith(
             f"{sweep}: is a sweep over speed, and {run} a run; compare two sweeps, or two runs"
         )
-
-
-def test_the_contact_that_is_lost_is_named_where_there_are_several():
-    at = xarray.Dataset({"cam_contact.lost": 0.0, "tip.lost": 0.2, "tip.lost_on_nose": 0.1})
-    assert (name_lost(at), name_lost(at[["tip.lost"]])) == (" in tip", "")
 
 
 def test_a_sweep_that_broke_off_has_no_page(tmp_path):

@@ -35,8 +35,8 @@ def stiff_connection(facts: Facts) -> str | None:
         return None
     signal = list(DEGREES)[facts.limits.useful_degree]
     return (
-        f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; the motion may set the "
-        "step, or an explicit master's error where `tribocosim analyse` shows the coupling to be stiff: then "
+        f"{name} limits {percent(share)} of the steps: {_coupling(facts, name)}; fast motion needs them, but "
+        "where `tribocosim analyse` shows a stiff coupling, try "
         f'[master] name = "iterated", extrapolation = "{signal}"'
     )
 

@@ -13,10 +13,9 @@ from models.core.quantities import Quantity, Vector
 from ...errors import MistakeError, Words
 from ..figures_of_merit import SHARE
 from ..lost_contact import LOST, ContactLaw
+from ..trains import OPEN
 
 TURN = 2.0 * math.pi
-# Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
-OPEN = 0.01
 # The least movement of a contact over the cam, in radii of curvature per cam angle: it stands.
 STANDING = 1e-6
 # Bins of the wear: half a degree of the cam, and as fine along the follower.
