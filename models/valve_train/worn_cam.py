@@ -46,9 +46,10 @@ class CamKind(NamedTuple):
 
 @dataclass(frozen=True)
 class FreshCam:
-    """An unworn cam: points of its lift; at PLACES by what the overlap grows with the lift, and the arc of
-    its contour per cam angle (m)."""
+    """An unworn cam: its base circle (m) and points of its lift; at PLACES by what the overlap grows with the
+    lift, and the arc of its contour per cam angle (m)."""
 
+    base_radius: float
     points: Points
     overlap_by_lift: Vector
     arc: Vector
@@ -77,7 +78,8 @@ def sample_cam(cam: CamKind) -> FreshCam:
     columns = np.array([cam.lift(a) for a in angles]).T
     arc = [cam.follower.touch(cam.lift(a), cam.geometry).cam_rate for a in PLACES]
     by_lift = [find_overlap_by_lift(cam, a) for a in PLACES]
-    return FreshCam(Points(angles, *columns), np.array(by_lift), np.array(arc))
+    points = Points(angles, *columns)
+    return FreshCam(cam.geometry.base_radius, points, np.array(by_lift), np.array(arc))
 
 
 def find_all_breaks(cam: CamKind) -> list[float]:

@@ -82,7 +82,7 @@ def eccentric() -> FreshCam:
     lift = ECCENTRICITY * (1.0 - np.cos(PLACES))
     slope, curvature = ECCENTRICITY * np.sin(PLACES), ECCENTRICITY * np.cos(PLACES)
     one = np.ones_like(PLACES)
-    return FreshCam(Points(PLACES, lift, slope, curvature), one, RADIUS * one)
+    return FreshCam(BASE, Points(PLACES, lift, slope, curvature), one, RADIUS * one)
 
 
 def test_an_eccentric_circle_shrinks_about_the_axis_of_the_cam():

@@ -210,7 +210,7 @@ def test_the_points_of_a_law_are_the_law() -> None:
     cam = read_cam(load("seat-and-lash").components["camshaft"])
     fresh = sample_cam(cam)
     assert fresh.points.angle.size == PLACES.size
-    tables = put_points(read_changed("seat-and-lash"), "camshaft", fresh, cam.geometry.base_radius)
+    tables = put_points(read_changed("seat-and-lash"), "camshaft", fresh)
     through = read_cam(build_scenario(tables).components["camshaft"])
     for angle in np.linspace(0.0, TURN, 1237):
         law, table = cam.lift(angle), through.lift(angle)

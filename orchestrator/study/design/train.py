@@ -215,8 +215,7 @@ def open_train(
     kind = read_cam(scenario.components[cam])
     begin, end = find_event(kind, event)
     lobe = Lobe(kind, begin, end, count, symmetric)
-    points = put_points(own, cam, sample_cam(kind), kind.geometry.base_radius)
-    subject = SpeedSubject(points, flywheel)
+    subject = SpeedSubject(put_points(own, cam, sample_cam(kind)), flywheel)
     return DesignedTrain(scenario, subject, cam, lobe, wires=dict(list_wires(own)))
 
 

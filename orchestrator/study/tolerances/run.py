@@ -58,8 +58,7 @@ def make_subject(tables: Mapping[str, Any], tolerances: Tolerances) -> tuple[Tol
     make_design(tolerances, scenario)
     given, running = to_full_toml(scenario), dict(tables)
     for cam in tolerances.grinding:
-        kind = read_cam(scenario.components[cam])
-        running = put_points(running, cam, sample_cam(kind), kind.geometry.base_radius)
+        running = put_points(running, cam, sample_cam(read_cam(scenario.components[cam])))
     text = to_full_toml(build_scenario(running)) if tolerances.grinding else given
     return ToleranceSubject(given, text, flywheel, speed, tolerances.model_dump_json()), limits
 

@@ -185,22 +185,21 @@ def open_train(
     if name not in cams:
         raise MistakeError((Option("contact", name), f": {one_of(cams, name)} (those that slide on a cam)"))
     flywheel = find_flywheel(scenario)
-    kind = read_cam(scenario.components[cams[name]])
-    fresh = sample_cam(kind)
-    subject = SpeedSubject(put_points(tables, cams[name], fresh, kind.geometry.base_radius), flywheel)
+    fresh = sample_cam(read_cam(scenario.components[cams[name]]))
+    subject = SpeedSubject(put_points(tables, cams[name], fresh), flywheel)
     turned = speed or find_own_speed(scenario, flywheel)
     system = subject.system_at(turned)
     period = find_period(system, turned)
     return WearingTrain(scenario, system, flywheel, name, cams[name], fresh, period, limit, follower_wears)
 
 
-def put_points(tables: Mapping[str, Any], cam: str, fresh: FreshCam, base_radius: float) -> dict[str, Any]:
+def put_points(tables: Mapping[str, Any], cam: str, fresh: FreshCam) -> dict[str, Any]:
     """The tables with points in place of the cam's law, table or segments, and of its ramps. The base circle
-    (m) is written too: that of a law has another default."""
+    is written too: that of a law has another default."""
     changed = copy.deepcopy(dict(tables))
     table = changed["components"][cam]
     replace_law(table, "points")
     table["structure"] = {**table.get("structure", {}), "table_points": fresh.points.angle.size}
-    own = {"base_radius": base_radius, "ramp_height": 0.0}
+    own = {"base_radius": fresh.base_radius, "ramp_height": 0.0}
     table["parameters"] = {**table.get("parameters", {}), **fresh.points.parameters(), **own}
     return changed
