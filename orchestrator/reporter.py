@@ -59,9 +59,7 @@ class Show(Protocol):
 
 
 _innermost: ContextVar[Show | None] = ContextVar("innermost", default=None)
-
-
-_coupling: ContextVar[bool] = ContextVar("coupling", default=False)
+_stepping: ContextVar[bool] = ContextVar("stepping", default=False)
 
 
 def show_share(share: float, words: str = "") -> None:
@@ -119,9 +117,18 @@ class SafeConsole(Console):
             self.quiet = True
 
 
-def _look_outside() -> None:
-    """Look for an interruption, but not in the steps of a coupled run: it would be an FMU's error."""
-    if not _coupling.get():
+@contextmanager
+def look_between_steps() -> Iterator[None]:
+    """In the block compilations look for no interruption: raised in a step it would be an FMU's error."""
+    token = _stepping.set(True)
+    try:
+        yield
+    finally:
+        _stepping.reset(token)
+
+
+def _look_outside_steps() -> None:
+    if not _stepping.get():
         look()
 
 
@@ -139,7 +146,7 @@ def tell_compilation() -> Iterator[None]:
         SafeConsole(stderr=True, highlight=False).print(f"{COMPILES}{since}", soft_wrap=True)
         told = now
 
-    with announce_compilation(begin, lambda seconds: None, _look_outside):
+    with announce_compilation(begin, lambda seconds: None, _look_outside_steps):
         yield
 
 
@@ -226,12 +233,11 @@ class Reporter:
 
             look()
             self._progress(text, 0.0)
-            around, coupling = _innermost.set(show), _coupling.set(text.startswith(COUPLED))
+            around = _innermost.set(show)
             try:
                 yield Bar(show, stop_time)
             finally:
                 _innermost.reset(around)
-                _coupling.reset(coupling)
             look()
             self._progress(text, 1.0)
 

@@ -15,7 +15,7 @@ from ..engine.observer import Observer
 from ..engine.step import Step
 from ..errors import ParticipantError, RefusedError, RunError, StalledError
 from ..participants.protocol import Participant
-from ..reporter import COUPLED, Reporter
+from ..reporter import COUPLED, Reporter, look_between_steps
 from ..store.journal import FLUSH_SECONDS
 from ..store.json_codec import Plain
 from ..store.output_folder import SCENARIO, SUMMARY, TEXTS, OutputFolder, format_path
@@ -121,7 +121,7 @@ def _couple(
     stage = reporter.stage(f"{COUPLED} {plan.scenario.master.name}", stop)
     with open_participants(system, plan.participants, observation.lifetimes) as participants:
         try:
-            with deferred(), stage as bar:
+            with deferred(), stage as bar, look_between_steps():
                 observers = [*observation.observers]
                 if every := plan.scenario.checkpoint_every:
                     path, say = folder.checkpoint, reporter.line
