@@ -184,7 +184,6 @@ def sensitivities(
     there. RunError where the scenario's own motion is not steady, MistakeError where a run has no tangents.
     """
     check_study_packages()
-    from orchestrator.errors import MistakeError
     from orchestrator.study.run import Where
     from orchestrator.study.speeds.sensitivities import find_run_sensitivities, find_sensitivities
     from orchestrator.study.speeds.sweep import parse_speed
@@ -192,10 +191,8 @@ def sensitivities(
     content = read_tables(scenario)
     with _open_folder(out, "sensitivities") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
-        if run and speed is not None:
-            raise MistakeError(f"speed = {speed}: is that of a steady cycle; leave it out with run = True")
         if run:
-            return find_run_sensitivities(content, parameters, folder, reporter)
+            return find_run_sensitivities(content, speed, parameters, folder, reporter)
         at = None if speed is None else parse_speed("speed", speed)
         return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
 

@@ -153,7 +153,6 @@ def run_sensitivities(
     mistake in the scenario or the command, 130: interrupted.
     """
     check_study_packages()
-    from orchestrator.errors import MistakeError, Option
     from orchestrator.reporter import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.study.run import Where
@@ -166,14 +165,11 @@ def run_sensitivities(
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
     reporter = build_reporter(as_json)
-    at = None if speed is None else parse_speed("speed", speed)
-    if run and speed is not None:
-        raise MistakeError((Option("speed", speed), ": is that of a steady cycle; leave it out with --run"))
     with tell_interruption():
         if run:
-            found = find_run_sensitivities(tables, parameter or [], folder, reporter)
+            found = find_run_sensitivities(tables, speed, parameter or [], folder, reporter)
         else:
-            where = Where(workers=workers)
+            at, where = None if speed is None else parse_speed("speed", speed), Where(workers=workers)
             found = find_sensitivities(tables, at, parameter or [], folder, where, reporter, overwrite)
     publish(found, checked, folder, reporter)
     if as_json:

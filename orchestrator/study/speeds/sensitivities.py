@@ -197,18 +197,20 @@ def find_sensitivities(
 
 
 def find_run_sensitivities(
-    tables: Mapping[str, Any], wanted: Sequence[str], out: Path, reporter: Reporter
+    tables: Mapping[str, Any], speed: str | None, wanted: Sequence[str], out: Path, reporter: Reporter
 ) -> xarray.Dataset:
     """The same of the scenario's run, from its start to its `stop_time`. MistakeError where it has no
-    tangents."""
+    tangents, and for a `speed`, which is that of a cycle."""
+    if speed is not None:
+        raise MistakeError((Option("speed", speed), ": is that of a steady cycle"), "leave it out, for a run")
     refuse_file(out)
     base, parameters = _open(tables, wanted)
     values, stage = list_parameters(base.scenario), _name_stage("run", parameters)
-    speed = max((values[f"{base.flywheel}.{end}_speed"] for end in ("initial", "final")), key=abs)
+    largest = max((values[f"{base.flywheel}.{end}_speed"] for end in ("initial", "final")), key=abs)
     with reporter.stage(stage):
-        found = find_run_slopes(base, _list_changes(base, speed, parameters))
+        found = find_run_slopes(base, _list_changes(base, largest, parameters))
     reporter.line(f"exact {stage}")
-    return _divide(found, parameters, speed=speed, stop_time=base.scenario.stop_time)
+    return _divide(found, parameters, speed=largest, stop_time=base.scenario.stop_time)
 
 
 def _open(tables: Mapping[str, Any], wanted: Sequence[str]) -> tuple[SpeedSubject, tuple[str, ...]]:
