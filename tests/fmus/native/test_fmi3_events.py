@@ -299,6 +299,11 @@ def test_pointers_to_nothing_and_calls_of_the_other_interface(spring: Instance3)
     assert "in co-simulation" in refused(spring, lambda: states(fmu.component, None, 0))
 
 
+def test_parameters_out_of_range(spring: Instance3) -> None:
+    said = refused(spring, lambda: spring.initialize(spring_rate=-3.5e4))
+    assert "spring_rate = -35000 N/m (static rate k0 of the spring): must be > 0" in said
+
+
 def test_counts_and_choices_are_no_other_integers(fmi3_files: Files) -> None:
     for name, variable, kind, said in (
         ("flywheel", "motion", "Int32", "motion is not of type Int32 but Enumeration"),

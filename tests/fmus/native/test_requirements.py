@@ -31,6 +31,7 @@ PISTON = (
     {"offset": -1.0 / 1.5e4},
     {"tilt": -2e-3},
     {"closed[1]": 1.0, "closed[3]": 1.0},
+    {"closed[1]": 0.5},
     {"closed[1]": 1.0, "closed[2]": 1.0, "closed[4]": 1.0},
     {"half_length": 0.0, "closed[2]": 1.0},
 )
