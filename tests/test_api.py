@@ -50,12 +50,6 @@ def test_a_plan_is_run_and_stepped_as_often_as_wanted_with_the_same_bits() -> No
             assert session["second.position"] == float(single.coupled["second.position"][-1])
 
 
-def test_a_folder_without_a_result_is_named(tmp_path: Path) -> None:
-    for folder, lacks in ((tmp_path, r"has no result\.nc"), (tmp_path / "none", "there is no such folder")):
-        with pytest.raises(tribocosim.MistakeError, match=f"{lacks}; give the output folder"):
-            tribocosim.open(folder)
-
-
 @pytest.mark.long
 def test_friction_is_that_of_the_command(tmp_path: Path) -> None:
     turn = tribocosim.load("valve-train").with_({"stop_time": "1 revolution", "reference.enabled": False})
@@ -104,27 +98,8 @@ def test_a_run_says_nothing_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_a_misspelt_name_gets_a_suggestion() -> None:
-    with pytest.raises(tribocosim.MistakeError, match="did you mean valve-train"):
-        tribocosim.load("valve-trian")
-    with pytest.raises(tribocosim.MistakeError, match="did you mean bifurcation"):
-        tribocosim.analyse("bifurcaton")
-    with pytest.raises(tribocosim.MistakeError, match="did you mean camshaft"):
-        tribocosim.build_fmu("camshft")
-    with pytest.raises(tribocosim.MistakeError, match="did you mean lift"):
-        tribocosim.load("valve-train").with_({"components.camshaft.parameters.lif": "9 mm"})
     with pytest.raises(AttributeError, match="did you mean analyse"):
         tribocosim.analyze  # noqa: B018
-
-
-def test_an_error_of_a_file_names_it_and_the_line(tmp_path: Path) -> None:
-    """Whether it is found as the file is read, or as the run is planned."""
-    file = tmp_path / "mine.toml"
-    file.write_text('extends = "two-masses"\nmacro_stp = 1\n')
-    with pytest.raises(tribocosim.MistakeError, match=r"^mine\.toml:2: macro_stp: "):
-        tribocosim.load(file)
-    file.write_text('extends = "two-masses"\n[tolerance]\n"first.lod" = 1e-3\n')
-    with pytest.raises(tribocosim.MistakeError, match=r"^mine\.toml:3: tolerance\.first\.lod: "):
-        tribocosim.run(file, tmp_path / "out")
 
 
 def test_native_takes_machine_code_for_our_fmus_only() -> None:
@@ -260,18 +235,6 @@ def test_a_survey_has_the_table_of_the_command(tmp_path: Path) -> None:
         np.testing.assert_array_equal(written["largest_stable_step"], found)
     printed = xarray.Dataset.from_dict(json.loads(done.stdout))
     np.testing.assert_array_equal(printed["largest_stable_step"], found)
-
-
-@pytest.mark.long
-def test_a_study_is_a_table_over_its_axes() -> None:
-    scenario = tribocosim.load("two-masses").with_({"stop_time": 0.2, "reference.enabled": False})
-    axes = {"macro_step": [1e-3, 2e-3]}
-    table = tribocosim.study({"points": {"kind": "grid", "axes": axes}}, scenario, workers=1)
-    assert dict(table.sizes)["macro_step"] == 2
-    for i, step in enumerate(axes["macro_step"]):
-        alone = tribocosim.run(scenario.with_({"macro_step": step})).coupled
-        name = next(str(n) for n in alone.data_vars)
-        assert float(table[f"{name}.maximum"][i]) == float(alone[name].max())
 
 
 @pytest.mark.long

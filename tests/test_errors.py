@@ -96,25 +96,6 @@ def test_each_error_is_a_mistake_or_the_failure_of_a_run() -> None:
     assert not [name for name, one in names.items() if all(issubclass(one, kind) for kind in family)]
 
 
-@pytest.mark.parametrize(
-    ("path", "value"),
-    [
-        ("valve_spring.valve_mass", "0 kg"),
-        ("contact.roughness", "-1 m"),
-        ("camshaft.onset_share", -0.1),
-        ("contact.poissons_ratio_1", 0.7),
-    ],
-)
-def test_a_value_out_of_range_is_a_mistake_at_its_path(path: str, value: object) -> None:
-    component, name = path.split(".")
-    with pytest.raises(
-        tribocosim.MistakeError, match=rf"^components.{component}.parameters.{name} = .*: must be "
-    ):
-        tribocosim.run(
-            tribocosim.load("valve-train").with_({f"components.{component}.parameters.{name}": value})
-        )
-
-
 def test_exit_statuses_follow_from_the_family() -> None:
     assert describe_error(tribocosim.errors.ModelError("x", Option("out"))) == ("x; --out", MISTAKE)
     assert describe_error(tribocosim.RunError("x")) == ("x", FAILED)

@@ -250,13 +250,6 @@ def test_build_leaves_no_trace_in_the_process(tmp_path):
     assert not {name for name in added if "tribocosim" in name or "camshaft" in name}
 
 
-def test_unknown_names_and_sizes(tmp_path):
-    with pytest.raises(KeyError, match="must be one of camshaft"):
-        build("camshat", tmp_path)
-    with pytest.raises(ValueError, match="structure of valve_spring"):
-        build("valve_spring", tmp_path, {"coils": 3})
-
-
 @pytest.mark.parametrize(
     ("sizes", "parameters", "sliding", "seen"),
     [

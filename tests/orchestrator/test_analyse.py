@@ -153,14 +153,6 @@ def test_a_result_is_not_overwritten_unasked(tmp_path):
     assert (tmp_path / "exponents.nc").read_bytes() != b"mine"
 
 
-def test_lists_analyses_and_parameters():
-    """Each analysis with its description, each parameter with its default."""
-    listed = CliRunner().invoke(app, ["analyse"]).stdout
-    assert all(name in listed for name in list_analyses())
-    shown = CliRunner().invoke(app, ["analyse", "trace", "--parameters"]).stdout
-    assert all(name in shown for name in load("trace").parameters)
-
-
 def test_a_setting_is_read_as_toml_where_it_is_toml():
     said = {"a=1": 1, "a = 0.5": 0.5, "a=true": True, 'a="x"': "x", "a=8 mm": "8 mm", "a=x": "x"}
     assert {text: parse_setting(text) for text in said} == {text: ("a", one) for text, one in said.items()}

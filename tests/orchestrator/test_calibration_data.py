@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from models.core.quantities import Quantity
-from models.core.words import tally
 from orchestrator.errors import MistakeError
 from orchestrator.plots.calibration import Panel, draw_calibration, draw_parameters
 from orchestrator.scenario.display import show_unit
@@ -137,7 +136,3 @@ def test_further_starts_are_between_the_bounds():
     assert own == pytest.approx([330.0, 35e3])
     assert all(300.0 <= preload <= 340.0 and 17.5e3 <= rate <= 70e3 for preload, rate in others)
     assert len({tuple(point) for point in others}) == 4
-
-
-def test_one_thing_is_singular():
-    assert [tally(n, "signal") for n in (0, 1, 2)] == ["0 signals", "1 signal", "2 signals"]

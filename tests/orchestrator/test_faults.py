@@ -152,6 +152,7 @@ def exact_with_jump(times):
     ("kind", "minimum_step"),
     [
         ("jacobi, schierz", 1e-6),
+        ("jacobi, schierz", 1e-3),
         pytest.param("gauss_seidel, step_doubling", 1e-6, marks=pytest.mark.long),
         ("gauss_seidel, step_doubling", 1e-3),
         ("iterated, predictor_corrector", 1e-6),
@@ -174,15 +175,9 @@ def test_a_jump_is_closed_in_on_and_passed(kind, minimum_step):
     truth, clean = exact_with_jump(recorder.times), sound(kind)
     allowed = 2.0 * missed(clean) + 40.0 * OFFSET * wrong / slowest
     assert np.abs(recorder["first.position"] - truth[:, 0]).max() < allowed
-
-
-@pytest.mark.parametrize("kind", ["jacobi, schierz", "gauss_seidel, step_doubling"])
-def test_a_jump_that_the_shortest_step_cannot_resolve_is_recorded_as_a_discontinuity(kind):
-    unit = faulty(value=lambda time, name, value: value + OFFSET * (name == "position" and time > JUMP))
-    recorder, ended = controlled(unit, kind, 1e-3)
-    assert ended is None
-    passed = [step for step in recorder.steps if step.reason == SHORTEST]
-    assert passed
+    # What the shortest step cannot resolve is recorded as a discontinuity.
+    passed = [step for step in steps if step.reason == SHORTEST]
+    assert passed or minimum_step < 1e-3
     assert all(JUMP < step.end < JUMP + 5e-3 for step in passed)
 
 

@@ -10,7 +10,6 @@ import pytest
 import tribocosim
 from fmus.native import fmu as native
 from orchestrator.scenario.files import list_shipped
-from orchestrator.store.result_file import open_result
 from tests.archives import repack, replace_text
 
 from .commands import SHORT, called, said
@@ -79,30 +78,6 @@ def write_tampered(fmu: Path, target: Path, code: str) -> Path:
     return repack(fmu, target, change)
 
 
-RAISES = """
-def do_step(self, t, h, _real=camshaft.do_step):
-    if t > 1e-3:
-        raise RuntimeError("broken gear")
-    return _real(self, t, h)
-camshaft.do_step = do_step
-"""
-
-
-def test_an_fmu_that_fails_in_mid_run_is_named(fmu, tmp_path):
-    file, out = write_tampered(fmu, tmp_path / "raises.fmu", RAISES), tmp_path / "out"
-    others = [text for text in SHORT if "camshaft" not in text]
-    arguments = [*others, f"--set=components.camshaft.participant={file}", "--no-figures"]
-    done = called("run", "valve-train", "--out", str(out), *arguments)
-    assert done.returncode == 3
-    message = done.stderr.strip().splitlines()[-1]
-    assert message.startswith("tribocosim: incomplete: camshaft")
-    assert "broken gear" in message
-    tree = open_result(out)
-    assert tree.attrs["complete"] == 0
-    assert 0.99e-3 < float(tree["coupled"]["time"][-1]) < 1.1e-3
-    tree.close()
-
-
 def _truncated(fmu: Path, target: Path) -> None:
     target.write_bytes(fmu.read_bytes()[:10_000])
 
@@ -168,12 +143,6 @@ def test_analyses_and_lists_print_their_results(tmp_path):
     assert "cam" in read("analyse")
     lift = read("analyse", "cam", "--parameters")["lift"]
     assert (lift["default"], lift["unit"], lift["positive"], lift["maximum"]) == (8e-3, "m", True, None)
-
-
-def test_a_mistake_prints_nothing(tmp_path):
-    done = called("run", "two-mases", "--json", "--out", str(tmp_path / "out"))
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "two-masses" in done.stderr
 
 
 def test_files_that_are_no_fmus_have_their_faults(tmp_path):

@@ -264,10 +264,6 @@ def test_mistakes_name_the_option(folder, option, value):
     assert f"{option} {value}" in said_by(folder, option, value)
 
 
-def test_a_folder_without_a_result_is_named(tmp_path):
-    assert said_by(tmp_path).startswith(f"tribocosim: {tmp_path}")
-
-
 def test_a_run_that_broke_off_before_a_revolution_is_to_be_resumed(folder, monkeypatch):
     def read_half(folder, wanted, read=judge._read):
         time, columns, units = read(folder, wanted)

@@ -9,7 +9,6 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from orchestrator.analyses import load as load_analysis
-from orchestrator.errors import MistakeError
 from orchestrator.reporter import Reporter
 from orchestrator.run.publish import _print_end
 from orchestrator.run.summary import Summary
@@ -189,14 +188,6 @@ def test_a_table_that_does_not_count_from_the_base_circle_is_doubted(tmp_path, l
     (doubt,) = [line for line in warnings if "base circle" in line]
     assert f"its least lift is {least:g} mm" in doubt
     assert not [line for line in warnings if "crank" in line]
-
-
-def test_a_parameter_of_a_law_beside_the_table_is_refused(tmp_path):
-    with pytest.raises(ScenarioError, match=r"parameters\.lift: has no meaning beside lift_table"):
-        load("my-cam", ["components.camshaft.parameters.lift=9 mm"])
-    path = write(tmp_path / "cam.csv")
-    own = load("valve-train-flexible", [f"components.camshaft.lift_table={path}"])
-    assert own.components["camshaft"].structure["table_points"] == 360
 
 
 def list_doubts(folder: Path, *given, **more) -> str:
@@ -389,8 +380,3 @@ def test_ramps_are_added_to_a_table(tmp_path):
     assert found["largest_lift"] == pytest.approx(8.3e-3, abs=1e-7)
     # 20 deg of constant velocity and 5 deg of blending on both sides.
     assert math.degrees(found["event"]) == pytest.approx(end - begin + 50.0, abs=1e-9)
-
-
-def test_a_table_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(MistakeError, match="cannot be read"):
-        load(write_scenario(tmp_path, "", "valve-train"))

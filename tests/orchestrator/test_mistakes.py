@@ -48,6 +48,7 @@ MISTAKES = {
         )
         for name in ("run", "speeds", "design", "wear", "sensitivities", "analyse", "masters")
     },
+    "components camshft": "did you mean camshaft",
     "fmu validate none.fmu": "no such file",
     "fmu validate docs": "docs: is a folder; give its files: docs/*.fmu",
     "fmu info none.fmu": "no such file",

@@ -13,7 +13,6 @@ from unittest.mock import Mock
 import pytest
 from rich.console import Console
 
-from models.core.errors import ModelError
 from models.core.remedies import Command, find_actions, in_command_line
 from orchestrator.errors import CheckpointError, MistakeError, start_over
 from orchestrator.reporter import Reporter
@@ -71,14 +70,6 @@ def test_a_run_killed_again_and_again_ends_as_one_that_was_not(name, seed, kills
     # Some of it came back from checkpoints: these are a time and files.
     assert any(float(line.split()[1]) > 0.0 for line in killed), done.stdout
     assert_same_run(tmp_path / "killed", whole)
-
-
-def test_a_start_without_an_equilibrium_is_refused_before_anything_is_written(tmp_path):
-    tilted = ["components.slider_crank.start.psi=0.02", "components.flywheel.start.angle=90 deg"]
-    scenario = load("slider-crank", ["start=equilibrium", *tilted])
-    with pytest.raises(ModelError, match=r"slider_crank\.start\.psi = 0\.02 rad"):
-        run(scenario, tmp_path / "out", build_fmu, quiet(), figures=False)
-    assert not (tmp_path / "out").exists()
 
 
 def test_a_run_that_failed_is_not_resumed_and_says_why(tmp_path):

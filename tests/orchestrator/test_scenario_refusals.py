@@ -21,6 +21,7 @@ BAD = {
     "components.camshaft.substeps=2.5": ("components.camshaft.substeps = 2.5: must be an integer",),
     "macro_stp=1": ("macro_stp", "did you mean macro_step?"),
     "macro_step=0": ("macro_step", "> 0"),
+    "stop_time=0": ("stop_time", "> 0"),
     "macro_step=3 kg": ("macro_step", "kg does not fit a time", "write s or ms"),
     "macro_step=3 microsecnd": ("macro_step", "did you mean microsecond?"),
     "components.camshaft.parameters.lift=3 qwx": ("lift", "write m or mm"),

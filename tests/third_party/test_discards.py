@@ -88,17 +88,6 @@ def test_an_fmu_that_neither_saves_its_state_nor_tells_its_time_is_not_tried_aga
     assert not any("begins again" in line for line in heard.lines)
 
 
-def test_an_fmu_that_discards_every_step_ends_the_run_in_the_second_try(tmp_path):
-    """The rows up to there are kept, and the message names the step at first and the shortest."""
-    summary, found = ran(
-        scenario({"decay": {"participant": fmu("discarding", 2, tmp_path)}}), tmp_path / "out"
-    )
-    assert summary.exit_status == 3
-    assert len(found["time"]) == 51
-    assert "t = 0.5 s by 9.76563e-06 s returned Discard: no way on" in str(summary.message)
-    assert "longer steps failed as well, from 0.01 s on" in str(summary.message)
-
-
 @pytest.mark.parametrize("given", [{}, {"retries": 3}])
 def test_an_fmu_that_does_not_come_back_goes_on_from_where_it_arrived(given, tmp_path):
     """It saves a part of its state only, which is told."""
