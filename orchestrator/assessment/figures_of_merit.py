@@ -27,6 +27,7 @@ AFTER = math.pi / 3.0
 
 PRESSURE = Quantity("Pa", display_unit="MPa")
 SHARE = Quantity("1", display_unit="%")
+ANGLE = Quantity("rad", display_unit="deg")
 
 
 def _mean(variable: str) -> Callable[[Part], Found]:
@@ -126,9 +127,14 @@ def _least_load(contact: Part) -> Found:
     return Found.at(contact["load"], np.argmin(np.where(contact.lifted, contact["load"], np.inf)))
 
 
-def _least_load_angle(contact: Part) -> Found:
-    row = _least_load(contact).row
-    return NONE if row is None else Found(float(contact.angle[row] % (2.0 * math.pi)), row)
+def _angle_of(find: Callable[[Part], Found]) -> Callable[[Part], Found]:
+    """Of the cam, in its turn, where a figure stands."""
+
+    def at(contact: Part) -> Found:
+        row = find(contact).row
+        return NONE if row is None else Found(float(contact.angle[row] % (2.0 * math.pi)), row)
+
+    return at
 
 
 def _least_film(contact: Part) -> Found:
@@ -210,10 +216,7 @@ def _least_radial_clearance(watched: Part) -> Found:
 
 CONTACT: Mapping[str, Figure] = {
     "least_load": (Quantity("N", "least load while the cam lifts"), _least_load),
-    "least_load_angle": (
-        Quantity("rad", "cam angle of the least load", display_unit="deg"),
-        _least_load_angle,
-    ),
+    "least_load_angle": (ANGLE.of("cam angle of the least load"), _angle_of(_least_load)),
     "largest_load": (Quantity("N", "largest load"), find_largest("load")),
     "lost": (SHARE.of("share of the time in which contact is lost"), lambda c: Found(c.mean(c.lost))),
     "lost_on_nose": (
@@ -221,6 +224,10 @@ CONTACT: Mapping[str, Figure] = {
         _lost_on_nose,
     ),
     "peak_pressure": (PRESSURE.of("largest Hertz pressure"), find_largest("maximum_pressure")),
+    "peak_pressure_angle": (
+        ANGLE.of("cam angle of the largest Hertz pressure"),
+        _angle_of(find_largest("maximum_pressure")),
+    ),
     "stress_ratio": (
         Quantity("1", "largest Hertz pressure over the permissible one, elastic_limit"),
         lambda c: Found(float(np.max(c["maximum_pressure"])) / c.parameter("elastic_limit")),
@@ -232,6 +239,10 @@ CONTACT: Mapping[str, Figure] = {
     "least_film_ratio": (
         Quantity("1", "least film over roughness; the film bears the fluid's share of the load"),
         find_least("film_ratio"),
+    ),
+    "least_film_ratio_angle": (
+        ANGLE.of("cam angle of the least film over roughness"),
+        _angle_of(find_least("film_ratio")),
     ),
     "nose_pressure": (PRESSURE.of("Hertz pressure at the nose"), _at_nose("maximum_pressure")),
     "nose_film": (
@@ -275,9 +286,7 @@ DRIVE: Mapping[str, Figure] = {
     "largest_torque": (Quantity("N.m", "largest torque"), find_largest("supplied_torque")),
     "mean_torque": (Quantity("N.m", "mean torque"), _mean("supplied_torque")),
 }
-SHAFT: Mapping[str, Figure] = {
-    "largest_twist": (Quantity("rad", "largest twist", display_unit="deg"), _twist)
-}
+SHAFT: Mapping[str, Figure] = {"largest_twist": (ANGLE.of("largest twist"), _twist)}
 ROLLING: Mapping[str, Figure] = {
     "rolling_power": (
         Quantity("W", "mean power of the rolling friction"),
@@ -290,7 +299,7 @@ CLEARANCE: Mapping[str, Figure] = {
         find_least("clearance"),
     ),
     "least_clearance_angle": (
-        Quantity("rad", "crank angle of the least clearance, from top dead centre", display_unit="deg"),
+        ANGLE.of("crank angle of the least clearance, from top dead centre"),
         _least_clearance_angle,
     ),
     "least_radial_clearance": (
@@ -314,7 +323,7 @@ BEARING: Mapping[str, Figure] = {
     ),
     "peak_pressure": (PRESSURE.of("highest pressure of the film"), find_largest("maximum_pressure")),
     "load_from_groove": (
-        Quantity("rad", "from the nearest groove's middle to the load at the least film", display_unit="deg"),
+        ANGLE.of("from the nearest groove's middle to the load at the least film"),
         find_load_from_groove,
     ),
     **LOSS,

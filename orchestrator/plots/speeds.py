@@ -54,10 +54,13 @@ PANELS = (
     ("Surge force (N)", 1.0, (".surge_force",)),
     ("Seating velocity (m/s)", 1.0, (".seating_velocity",)),
     (FILM, 1e6, (".least_film",)),
-    ("Largest pressure (MPa)", 1e-6, (".peak_pressure",)),
+    ("Film over roughness", 1.0, (".least_film_ratio", ".nose_film_ratio")),
+    ("Pressure (MPa)", 1e-6, (".peak_pressure", ".nose_pressure")),
     (TORQUE, 1.0, (".least_torque", ".largest_torque", ".mean_torque")),
     ("Friction power (W)", 1.0, (".friction_power", ROLLING)),
     ("Largest lift (mm)", 1e3, (".largest_lift",)),
+    ("Travel left to coil bind (mm)", 1e3, (".least_gap",)),
+    ("Clearance to the piston (mm)", 1e3, (".least_clearance",)),
     ("Chamber pressure (MPa)", 1e-6, (".chamber_pressure",)),
     ("Adjuster in a turn (µm)", 1e6, (".shortening", ".lift_loss", ".leak_down", ".held_open")),
     ("Largest twist (°)", math.degrees(1.0), (".largest_twist",)),
@@ -283,7 +286,10 @@ def _add_legend(axes: Axes) -> None:
 
 
 # Line styles of results that share a panel, by the beginning of their names; others are solid.
-STYLES = {"least": "dashed", "mean": "dotted", "largest": "solid", "rolling": "dashdot"}
+STYLES: dict[str, Any] = {
+    "least": "dashed", "mean": "dotted", "largest": "solid", "rolling": "dashdot",
+    "nose": (0.0, (3.0, 1.0, 1.0, 1.0, 1.0, 1.0)),
+}  # fmt: skip
 # Widths of the first design's curves and the last one's, which leave each other to be seen where they agree.
 WIDEST, NARROWEST = 3.0, 1.0
 

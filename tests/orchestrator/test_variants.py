@@ -1,5 +1,6 @@
 """Sweeps of several designs, side by side."""
 
+import csv
 import signal
 from contextlib import suppress
 from dataclasses import replace
@@ -9,16 +10,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from matplotlib.patches import Rectangle
 from rich.console import Console
 
 import tribocosim
 from orchestrator.errors import MistakeError
 from orchestrator.plots import valve_train
-from orchestrator.plots.speeds import PANELS, draw_variants
+from orchestrator.plots.speeds import PANELS, draw_summary, draw_variants
 from orchestrator.reporter import Reporter
 from orchestrator.scenario.display import format_number
 from orchestrator.study import run_overlay
 from orchestrator.study.speeds.compare import VARIANTS, Choice, label, select_speeds
+from orchestrator.study.speeds.separation import RPM
 from orchestrator.study.speeds.sweep import Swept, select_columns
 from orchestrator.study.speeds.variants import Variant, list_variants, sweep_variants, tabulate
 from tribocosim.reporting import SilentReporter
@@ -49,10 +52,9 @@ def test_several_values_make_every_combination():
 
 def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact():
     """The stiffer one keeps it to the end; its load there is not set beside the other's at less speed."""
-    speeds, rows = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
+    speeds, (load,) = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
     assert speeds == "955 to 1910 r/min, where all keep contact"
-    assert [row["least load"] for row in rows] == ["200", "300"]
-    assert [row["contact lost from r/min"] for row in rows] == ["2500", "–"]
+    assert [(worst.value, round(worst.speed_rpm)) for worst in load.worst] == [(200.0, 1910), (300.0, 1910)]
     speeds, _ = tabulate({"soft": make_swept(400.0, 0.0), "stiff": make_swept(500.0, 1e9)})
     assert speeds == "955 to 2865 r/min, at each of which one loses contact"
 
@@ -61,10 +63,51 @@ def test_a_number_that_only_a_later_design_has_has_its_column():
     one, other = make_swept(400.0, 1e9), make_swept(500.0, 1e9)
     power = 0.1 * other.table["contact.least_load"].rename(None)
     with_power = other._replace(table=other.table.assign({"valve.seating_velocity": power}))
-    _, rows = tabulate({"one": one, "other": with_power})
-    assert [row["seating"] for row in rows] == ["–", "40"]
+    _, columns = tabulate({"one": one, "other": with_power})
+    (seating,) = (column for column in columns if column.head == "seating velocity")
+    assert [worst and worst.value for worst in seating.worst] == [None, 40.0]
     drawn = draw_variants({"one": one.table, "other": with_power.table}).axes[1]
     assert drawn.get_title() == f"{PANELS[3][0]}: valve"
+
+
+def test_designs_have_what_a_spring_lash_oil_or_law_is_chosen_by(tmp_path):
+    """Each number with its unit, speed and angle. Of contacts each is named; of many the printed table has
+    the worst."""
+    pa, deg = (
+        {"units": "Pa", "long_name": "largest pressure"},
+        {"units": "rad", "long_name": "cam angle of it"},
+    )
+    numbers = {
+        "valve.largest_lift": [8e-3, 7e-3],
+        "spring.least_gap": [2e-3, 1e-3],
+        "drive.mean_torque": [1, 2],
+    }
+    numbers |= {"whole train.friction_power": [3.0, 4.0], "bearing.peak_pressure": [9e9, 9e9]}
+    table = {name: ("speed", of, {"units": "m"} if max(of) < 0.1 else {}) for name, of in numbers.items()}
+    for number, name in enumerate(("cam", "pad", "tip"), 1):
+        table |= {
+            f"{name}.{of}": ("speed", [0.5, 0.4]) for of in ("lost", "nose_film_ratio", "least_film_ratio")
+        }
+        table[f"{name}.peak_pressure"] = ("speed", [1e8 * number, 2e8 * number], pa)
+        table[f"{name}.peak_pressure_angle"] = ("speed", np.radians([100.0, 130.0]), deg)
+    swept = Swept(0, xarray.Dataset(table, {"speed": np.array([1000.0, 2000.0]) * np.pi / 30.0}), {})
+    said = StringIO()
+    sweep_variants(
+        {Variant("a", ()): {}, Variant("b", ()): {}}, tmp_path, Reporter(Console(file=said, width=100)),
+        lambda tables, folder: swept,
+    )  # fmt: skip
+    with (tmp_path / VARIANTS).open(encoding="utf-8-sig", newline="") as file:
+        (row, _) = csv.DictReader(file)
+    pressures = {"largest pressure of tip [MPa]": "600", "largest pressure of tip, at [r/min]": "2000"}
+    known = pressures | {"cam angle of it of pad [deg]": "130", "nose film ratio of cam": "0.4"}
+    known |= {"largest lift [m]": "0.007", "least gap [m]": "0.001", "friction power": "4"}
+    assert {head: row[head] for head in known} == known
+    assert "of bearing" not in said.getvalue()
+    shown = [line.split("│") for line in said.getvalue().splitlines() if "largest pressure" in line]
+    assert [[cell.strip() for cell in cells[1:3]] for cells in shown] == [
+        ["largest pressure of tip, MPa", "600 at 130°"]
+    ]
+    assert max(len(line) for line in said.getvalue().splitlines() if line.startswith("│")) <= 100
 
 
 def test_every_design_has_its_whole_name_in_a_narrow_table(tmp_path):
@@ -212,3 +255,43 @@ def test_two_runs_lie_over_each_other_with_their_names(tmp_path, monkeypatch):
     )
     with pytest.raises(MistakeError, match=told):
         run_overlay.overlay(Path("one"), Path("other"), tmp_path / "x.png", ("one", "other"))
+
+
+def test_panels_are_scaled_by_the_speeds_with_contact():
+    """Also where it is lost at most of the speeds; no line leads from one kind to the other."""
+    loads = [610.0, 600.0, 590.0, 7e3, 6e4, 7e4, 2e5, 2e5]
+    table = xarray.Dataset(
+        {"contact.largest_load": ("speed", loads), "contact.lost": ("speed", np.array(loads) > 1e3)},
+        {"speed": np.linspace(50.0, 500.0, 8)},
+    )
+    drawn = draw_summary({"train": table}).axes[0]
+    assert 610.0 < drawn.get_ylim()[1] < 7e3
+    drawn_loads = np.asarray(drawn.lines[0].get_ydata(), dtype=np.float64)
+    assert np.array_equal(drawn_loads, [*loads[:3], np.nan, *loads[3:]], equal_nan=True)
+
+
+def test_each_design_says_which_friction_its_torque_leaves_out():
+    """Once, where it is the same."""
+    torque = xarray.Dataset({"flywheel.mean_torque": ("speed", [1.0, 2.0])}, {"speed": [50.0, 100.0]})
+    one, other = torque.assign_attrs(outside="rolling (contact)"), torque.assign_attrs(outside="")
+    without = "without the friction of rolling (contact)"
+    for second, lines in ((one, without), (other, f"first: {without}\nsecond: with all friction")):
+        (text,) = draw_summary({"first": one, "second": second}).axes[0].texts
+        assert text.get_text() == lines
+
+
+@pytest.mark.parametrize("separation", [None, 1150.0, 1450.0])
+def test_contact_is_lost_from_the_marked_speed_on(separation):
+    """From the separation, also where it is nearer to the speed before; else from half-way."""
+    table = xarray.Dataset(
+        {
+            "contact.largest_load": ("speed", [600.0, 610.0, 9e3, 9e3]),
+            "contact.lost": ("speed", [0.0, 0.0, 0.1, 0.1]),
+        },
+        {"speed": np.array([500.0, 1000.0, 1500.0, 2000.0]) / RPM},
+    )
+    drawn = draw_summary({"train": table}, {"train": separation}).axes[0]
+    shaded = [patch for patch in drawn.patches if isinstance(patch, Rectangle)]
+    begins = min(patch.get_x() for patch in shaded)
+    assert begins == pytest.approx(separation or 1250.0)
+    assert max(patch.get_x() + patch.get_width() for patch in shaded) == pytest.approx(2000.0)

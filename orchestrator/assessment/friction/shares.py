@@ -24,6 +24,9 @@ from .losses import CONTACT, POWER, SHARES, Loss, list_losses, name_outside, rem
 if TYPE_CHECKING:
     import xarray
 
+# Stands for the part of a sum over all parts.
+WHOLE = "whole train"
+
 
 def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:
     """The table of cycles with the sum of all losses to friction, of a train with several; the attribute
@@ -32,7 +35,9 @@ def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:
     table = table.assign_attrs(outside=name_outside(losses))
     if len(losses) < 2:
         return table
-    return table.assign({f"whole train.{POWER}": sum(table[f"{one.part}.{one.figure}"] for one in losses)})
+    total = sum(table[f"{one.part}.{one.figure}"] for one in losses)
+    attributes = {"units": "W", "long_name": "mean friction power"}
+    return table.assign({f"{WHOLE}.{POWER}": total.assign_attrs(attributes)})
 
 
 @dataclass(frozen=True)

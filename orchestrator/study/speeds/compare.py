@@ -26,16 +26,16 @@ from ...scenario import build_scenario
 from ...scenario.display import format_number, show_attributes
 from ...scenario.system import build_system
 from ...store.output_folder import STORE, SUMMARY, refuse_missing
+from .subject import STEADY
 from .sweep import parse_speed, read_table
 
 RPM = 30.0 / math.pi
 # Numbers of which the least is the worst; of the others it is the largest.
 LEAST_IS_WORST = (
-    "least_load", "least_film", "least_film_ratio", "spring_margin", "least_gap", "largest_lift", "lift_area",
-    "least_torque",
+    "least_load", "least_film", "least_film_ratio", "nose_film", "nose_film_ratio", "spring_margin",
+    "least_gap", "fatigue_safety", "largest_lift", "lift_area", "least_clearance", "least_radial_clearance",
+    "seat_force_kept", "least_torque",
 )  # fmt: skip
-# Numbers that are neither good nor bad.
-LEFT_OUT = ("change", "periods", "least_load_angle", "largest_gap_angle")
 # The table of several designs. Of a name of a folder, all that is not one of these becomes an underscore.
 VARIANTS = "variants.csv"
 _UNSAFE = re.compile(r"[^\w.=+ -]")
@@ -97,7 +97,8 @@ def compare(
     every = dict.fromkeys(str(name) for table in common for name in table.data_vars)
     for name in every:
         values = next(table[name] for table in common if name in table)
-        if values.dtype.kind != "f" or name.rpartition(".")[2] in LEFT_OUT:
+        # Angles stand beside their numbers.
+        if values.dtype.kind != "f" or name in STEADY or name.endswith("_angle"):
             continue
         display = show_attributes(values.attrs)
         unit, scale = display.text or "1", display.factor
@@ -178,12 +179,16 @@ class Worst:
         return format_number(self.value, 5) + (f" at {', '.join(place)}" if place else "")
 
 
+def is_least_worst(name: str) -> bool:
+    """Of a number "part.figure"; of others the largest is the worst."""
+    return name.rpartition(".")[2] in LEAST_IS_WORST
+
+
 def find_worst(table: xarray.Dataset, name: str, scale: float) -> Worst | None:
     """The worst value of a number; None where it has none."""
     if name not in table or not np.any(np.isfinite(values := table[name].values)):
         return None
-    least = name.rpartition(".")[2] in LEAST_IS_WORST
-    worst = int(np.nanargmin(values) if least else np.nanargmax(values))
+    worst = int(np.nanargmin(values) if is_least_worst(name) else np.nanargmax(values))
     angles = table.get(f"{name}_angle")
     angle = None if angles is None else math.degrees(float(angles.values[worst]))
     return Worst(scale * float(values[worst]), RPM * float(table["speed"].values[worst]), angle)

@@ -29,6 +29,8 @@ from .subject import SpeedSubject, to_motion
 # Of the speed (rad/s): 0.1 r/min.
 CLOSE = 0.1 * math.pi / 30.0
 RPM = 30.0 / math.pi
+# Of a range to go on with: past the foreseen separation, and its end over the last speed, least and most.
+BEYOND, FURTHER = 1.2, np.array([1.3, 3.0])
 # Taken as second formula, unless all contacts have it.
 USUAL, OTHER = "dowson_toyoda", "moes_venner"
 
@@ -49,7 +51,9 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
     lost, on_nose = (find_lost(table, number) for number in ("lost", "lost_on_nose"))
     speeds = table["speed"].values
     if not lost.any():
-        return Separation(None, None, f"contact is kept up to {speeds[-1] * RPM:.0f} r/min")
+        last, end = f"{speeds[-1] * RPM:.0f}", foresee_end(table)
+        to = f"to find where it is lost, go on from {last} to {end:.0f} r/min"
+        return Separation(None, None, f"contact is kept up to {last} r/min, the highest speed; {to}")
     place = name_lost(table.isel(speed=int(np.argmax(lost))))
     if lost[0]:
         said = f"contact is lost at {speeds[0] * RPM:.0f} r/min, the lowest speed{place}"
@@ -67,6 +71,24 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
     kept = f", and kept again at {list_speeds(again)}" if again.size else ""
     text = f"contact is lost from {speed:.1f} r/min{place}{kept}{_describe_place(table, speed, nose)}"
     return Separation(round(speed, 2), nose and round(nose, 2), text + _doubt(unsteady))
+
+
+def foresee_end(table: xarray.Dataset) -> float:
+    """The end (r/min) of a range that goes on from the last speed, at which contact is kept.
+
+    Loads of inertia grow with the square of the speed, so that a least load between the lowest and the last
+    speed tells where it would be gone: the range ends BEYOND it, within FURTHER of the last speed. It ends at
+    the first of these where the load does not fall.
+    """
+    speeds = RPM * table["speed"].values
+    near, far = FURTHER * speeds[-1]
+    names = list_shares(table, "least_load")
+    loads = [np.nanmin([[np.inf], *([table[name].values[row]] for name in names)]) for row in (0, -1)]
+    fallen, end = loads[0] - loads[1], near
+    if speeds.size > 1 and 0.0 < fallen < np.inf:
+        gone = speeds[-1] ** 2 + (speeds[-1] ** 2 - speeds[0] ** 2) * loads[1] / fallen
+        end = float(np.clip(BEYOND * math.sqrt(gone), near, far))
+    return 100.0 * math.ceil(end / 100.0)
 
 
 def name_lost(at: xarray.Dataset) -> str:

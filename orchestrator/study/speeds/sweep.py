@@ -91,7 +91,7 @@ def sweep(
     plan, subject = make_plan(tables, speeds, out)
     with _kept_on_interrupt(out, reporter):
         status = run(plan, out / STORE, where, reporter, overwrite)
-    table = read_table(out)
+    table = add_losses(read_table(out), build_system(subject.scenario))
     if not table.sizes["speed"]:
         return Swept(status, table, {})
     report_cycles(reporter, table)
@@ -292,8 +292,7 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation:
     """Figures with the speed of separation (r/min), and all cycles over angle and speed in one file."""
     design = subject.scenario.name
     system = subject.system_at(float(table["speed"][0]))
-    shown = {design: add_losses(table, system)}
-    files = [save_figure(lambda: draw_summary(shown, {design: separation}), out / "speeds.png")]
+    files = [save_figure(lambda: draw_summary({design: table}, {design: separation}), out / "speeds.png")]
     cycles = [
         (float(speed), path)
         for speed in table["speed"].values

@@ -4,29 +4,44 @@ import itertools
 import math
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
+from rich.table import Column as Head
 from rich.table import Table
 
 from models.core.interruption import deferred, look
 
+from ...assessment.friction.shares import WHOLE
 from ...assessment.lost_contact import find_lost
 from ...errors import MistakeError, Option
 from ...plots.speeds import draw_variants
 from ...plots.style import save_figure
 from ...reporter import Reporter
-from ...scenario.display import format_number
+from ...scenario.display import Shown, add_unit, format_number, show_attributes
 from ...store.csv_file import write_rows
-from .compare import VARIANTS, find_worst, name_folder
-from .sweep import Swept, select_columns
+from .compare import VARIANTS, Worst, find_worst, is_least_worst, name_folder
+from .sweep import Swept
 
 FIGURE = "variants.png"
 RPM = 30.0 / math.pi
+# What a design is chosen by: figures of contacts, valves, springs, pistons, adjusters and drives.
+CHOSEN_BY = (
+    "least_load", "largest_load", "peak_pressure", "nose_pressure", "least_film", "least_film_ratio",
+    "nose_film_ratio", "largest_lift", "lift_area", "spring_margin", "seating_velocity", "bounce",
+    "landing_lift", "least_gap", "least_clearance", "chamber_pressure", "lift_loss", "held_open",
+    "largest_torque", "mean_torque", "friction_power",
+)  # fmt: skip
+# Of more parts with a figure the printed table has the one where it is worst.
+FEW = 2
+# Designs in a printed table, and the width of a column that holds their names.
+BESIDE, NARROW = 4, 13
+# From here on a description explains itself.
+EXPLAINED = re.compile("[,;:]| in radians")
 # A value of several: commas in brackets and quotes are its own.
 _VALUE = re.compile(r"""(?:\[[^]]*\]|\{[^}]*\}|"[^"]*"|'[^']*'|[^,])+""")
 
@@ -97,28 +112,68 @@ def sweep_variants(
     return found
 
 
-def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[dict[str, str]]]:
-    """The speeds that are judged, in words, and a row for each design: its speed of separation, and the worst
-    of each number. These are the speeds at which all designs keep contact, if there are any."""
+@dataclass(frozen=True)
+class Column:
+    """A figure "part.name" of all designs, their worst values, and how it is headed and shown."""
+
+    name: str
+    head: str
+    shown: Shown
+    worst: Sequence[Worst | None]
+    angle: str
+
+    @property
+    def title(self) -> str:
+        head = f"{self.head}, {self.shown.text}".removesuffix(", ")
+        return head + " (° of the crank)" * self.angle.startswith("crank")
+
+    @property
+    def badness(self) -> float:
+        """The worst of all designs, larger where worse."""
+        values = [worst.value for worst in self.worst if worst]
+        return -min(values) if is_least_worst(self.name) else max(values)
+
+    def write(self) -> Iterator[list[str]]:
+        """Head and values of its columns: the number, its speed and its angle."""
+        yield [add_unit(self.head, self.shown), *(format_number(w.value) if w else "–" for w in self.worst)]
+        yield [f"{self.head}, at [r/min]", *(f"{w.speed_rpm:.0f}" if w else "–" for w in self.worst)]
+        if self.angle:
+            angles = (w.angle_deg if w else None for w in self.worst)
+            yield [f"{self.angle} [deg]", *("–" if a is None else format_number(a) for a in angles)]
+
+
+def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[Column]]:
+    """The speeds that are judged, in words, and the figures by which a design is chosen, of all parts that
+    have them. The speeds are those at which all designs keep contact, if there are any."""
     kept = keep_contact([one.table for one in swept.values()])
-    columns: dict[str, dict[str, float]] = {}  # by head: results and their factors
-    for table in kept:
-        for head, name, scale in select_columns(table):
-            if not name.endswith(("_angle", ".lost")):
-                columns.setdefault(head, {})[name] = scale
-    rows = []
-    for (label, one), table in zip(swept.items(), kept, strict=True):
-        separation = (one.summary.get("separation") or {}).get("speed")
-        row = {"design": label, "contact lost from r/min": "–" if separation is None else f"{separation:.0f}"}
-        for head, names in columns.items():
-            every = (find_worst(table, name, scale) for name, scale in names.items() if name in table)
-            worst = next(filter(None, every), None)
-            row[head] = format_number(worst.value) if worst else "–"
-        rows.append(row)
+    every = dict.fromkeys(str(name) for table in kept for name in table.data_vars)
+    columns = []
+    for figure in CHOSEN_BY:
+        names = list_parts_with(figure, every)
+        for name in names:
+            attributes = next(table[name].attrs for table in kept if name in table)
+            shown = show_attributes(attributes)
+            worst = [find_worst(table, name, shown.factor) for table in kept]
+            of = f" of {name.rpartition('.')[0]}" * (len(names) > 1)
+            angles = (_name(t[a].attrs, a) + of for t in kept if (a := f"{name}_angle") in t)
+            if any(worst):
+                head = _name(attributes, figure) + of
+                columns.append(Column(name, head, shown, worst, next(angles, "")))
     speeds = RPM * kept[0]["speed"].values
     lost = any(find_lost(table).any() for table in kept)
     where = "at each of which one loses contact" if lost else "where all keep contact"
-    return f"{speeds.min():.0f} to {speeds.max():.0f} r/min, {where}", rows
+    return f"{speeds.min():.0f} to {speeds.max():.0f} r/min, {where}", columns
+
+
+def list_parts_with(figure: str, every: Collection[str]) -> list[str]:
+    """The names "part.figure" among `every` name: of the whole train, else of contacts, else of others."""
+    names = [name for name in every if name.endswith(f".{figure}")]
+    contacts = [name for name in names if f"{name.rpartition('.')[0]}.lost" in every]
+    return [name for name in names if name.startswith(WHOLE)] or contacts or names
+
+
+def _name(attributes: Mapping[Any, Any], figure: str) -> str:
+    return EXPLAINED.split(str(attributes.get("long_name", figure.replace("_", " "))))[0]
 
 
 def keep_contact(tables: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
@@ -135,14 +190,34 @@ def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
     if not set.intersection(*(set(one.table["speed"].values) for one in swept.values())):
         reporter.line("the designs have no speed in common at which a cycle was found: no table of all")
         return
-    speeds, rows = tabulate(swept)
-    shown = Table("worst", title=f"Worst from {speeds}", title_justify="left")
-    for row in rows:
-        shown.add_column(row["design"], overflow="fold")
-    for head in list(rows[0])[1:]:
-        shown.add_row(head, *(row[head] for row in rows))
-    reporter.console.print(shown)
-    write_rows(out / VARIANTS, [list(rows[0]), *(row.values() for row in rows)])
+    speeds, columns = tabulate(swept)
+    separations = ((one.summary.get("separation") or {}).get("speed") for one in swept.values())
+    lost = ["–" if speed is None else f"{speed:.0f}" for speed in separations]
+    for first in range(0, len(swept), BESIDE):
+        several = slice(first, first + BESIDE)
+        heads = (
+            Head(label, overflow="fold", min_width=min(len(label), NARROW)) for label in [*swept][several]
+        )
+        shown = Table("worst", *heads, title=f"Worst from {speeds}, at ° of the cam", title_justify="left")
+        shown.add_row("contact lost from, r/min", *lost[several])
+        for column in choose_shown(columns):
+            shown.add_row(column.title, *(w.describe(False) if w else "–" for w in column.worst[several]))
+        reporter.console.print(shown)
+    rows = [
+        ["design", *swept],
+        ["contact lost from [r/min]", *lost],
+        *(row for column in columns for row in column.write()),
+    ]
+    write_rows(out / VARIANTS, zip(*rows, strict=True))
     tables = {label: one.table for label, one in swept.items()}
     save_figure(lambda: draw_variants(tables), out / FIGURE)
     reporter.line(f"designs in {out}: {VARIANTS}, {FIGURE}")
+
+
+def choose_shown(columns: Sequence[Column]) -> list[Column]:
+    """All of few parts with a figure; of many the one where it is worst."""
+    chosen = []
+    for _, same in itertools.groupby(columns, lambda column: column.name.rpartition(".")[2]):
+        every = list(same)
+        chosen += every if len(every) <= FEW else [max(every, key=lambda column: column.badness)]
+    return chosen
