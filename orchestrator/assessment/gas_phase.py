@@ -10,7 +10,7 @@ from models.core.evaluation import Interpreted
 from models.core.quantities import Vector
 from models.core.system import Connection, Port, System
 
-from .trains import Train, find_trains, list_parts, parameter_of
+from .trains import Train, count_gas_turns, find_trains, list_parts, parameter_of
 
 # Degrees of the crank after firing between which valves of four-stroke engines begin to open: 90 deg before
 # the dead centre to 10 deg after it (exhaust), 70 deg before it to 60 deg after it (intake).
@@ -48,8 +48,7 @@ def _is_gas_force(system: System, line: Connection) -> bool:
     if not gas.component.has_role(roles.CylinderGas) or "lash" not in valve.component.parameters:
         return False
     turned = Port(line.source.instance, "crank_angle") in system.drivers
-    four_stroke = "cycle_turns" not in gas.component.parameters or parameter_of(gas, "cycle_turns") == 2.0
-    return turned and four_stroke and line.target.variable == "gas_force"
+    return turned and count_gas_turns(gas) == 2.0 and line.target.variable == "gas_force"
 
 
 def _judge(train: Train, gas: str, valve: str, outputs: Vector) -> Iterator[str]:

@@ -40,8 +40,8 @@ Read = Callable[[str], Vector]
 SHOWN = 4
 GAP = Quantity("m", "largest gap", display_unit="um")
 IMPACT = Quantity("m/s", "speed of the hardest impact")
-AT_REST = SHARE.of("share of the time without load on the base circle and its ramps")
-ON_RAMPS = SHARE.of("share of the time without load on the ramps above the lash")
+AT_REST = SHARE.of("share of the whole run without load on the base circle and its ramps")
+ON_RAMPS = SHARE.of("share of the whole run without load on the ramps above the lash")
 NONE = Quantity("1")
 
 
@@ -104,7 +104,6 @@ def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float 
     film = contact.film if contact.film >= ATOM else 0.0
     yield "least_film", film, contact.film_time, NONE
     yield "least_film_ratio", contact.film_ratio, None, NONE
-    yield "lost", contact.lost, None, NONE
     if contact.at_rest > 0.0:
         yield "at_rest", contact.at_rest, None, AT_REST
     if contact.on_ramps > 0.0:
@@ -126,7 +125,7 @@ def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list
     found = {(merit.part, merit.figure): merit for merit in merits}
     told, window = [], read_motion(system, read).window
     for train in (trains := find_trains(system)):
-        margin, followed = _follow(train, found)
+        margin, followed = _follow(train, found, window)
         said = [
             *followed,
             *_list_open(train, found),
@@ -216,12 +215,12 @@ def _find_place(system: System, merit: Merit, read: Read) -> str:
 Merits = Mapping[tuple[str, str], Merit]
 
 
-def _follow(train: Train, found: Merits) -> tuple[float, list[str]]:
+def _follow(train: Train, found: Merits, window: str) -> tuple[float, list[str]]:
     """Whether the cam is followed while it lifts: the share of the load that is left, and a sentence."""
     first = next(iter(train.contacts), "")
     lost, least = found.get((first, "lost")), found.get((first, "least_load"))
     if lost and lost.value > 0.0:
-        return -lost.value, [f"contact is lost in {lost.text} of the time"]
+        return -lost.value, [f"contact is lost in {lost.text} of {window}"]
     if margin := found.get((train.valve, "spring_margin")):
         name, _, words = margin.quantity.description.partition(": ")
         return margin.value, [f"{name} {margin.text} ({words})"]

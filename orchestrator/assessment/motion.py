@@ -9,11 +9,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from models.core import roles
 from models.core.component import Component
 from models.core.quantities import Quantity, Vector
 from models.core.system import System
 
-from .trains import OPEN, Angle, Train, find_lost_rows, find_train, find_trains, parameter_of
+from .trains import (
+    OPEN,
+    Angle,
+    Train,
+    count_gas_turns,
+    find_lost_rows,
+    find_train,
+    find_trains,
+    list_parts,
+    parameter_of,
+)
 
 
 class Found(NamedTuple):
@@ -51,15 +62,21 @@ class Motion:
     angle: Angle | None
 
     @cached_property
+    def cycle(self) -> float:
+        """Revolutions in a cycle: one of a cam, else those of the gas, else one."""
+        gases = [] if find_trains(self.system) else list_parts(self.system, roles.CylinderGas)
+        return max((count_gas_turns(self.system.instances[name]) for name in gases), default=1.0)
+
+    @cached_property
     def turned(self) -> Vector:
-        """Revolutions of the first cam, else of `angle`, since the first row, either way; nan without any."""
+        """Cycles of the first cam, else of `angle`, since the first row, either way; nan without any."""
         angle = next((train.angle for train in find_trains(self.system)), self.angle)
         turned = angle.factor * self.column(angle.source) if angle else np.nan * self.times
-        return np.asarray(np.abs(turned - turned[0]) / (2.0 * math.pi))
+        return np.asarray(np.abs(turned - turned[0]) / (2.0 * math.pi * self.cycle))
 
     @cached_property
     def turns(self) -> int:
-        """Whole revolutions that the rows hold."""
+        """Whole cycles that the rows hold."""
         return math.floor(np.nan_to_num(self.turned[-1]) + OPEN)
 
     @cached_property
@@ -72,9 +89,12 @@ class Motion:
     def window(self) -> str:
         """Over what means are taken, in words."""
         rest = self.turned[-1] - self.turns
+        one, several = "revolution", "revolutions"
+        if self.cycle > 1.0:
+            one, several = (f"{word} of {self.cycle:g} revolutions" for word in ("cycle", "cycles"))
         if self.turns and rest > OPEN:
-            return f"its last {self.turns} revolutions" if self.turns > 1 else "its last revolution"
-        return RUN if self.turns or np.isnan(rest) else f"{RUN}, which is less than a revolution"
+            return f"its last {self.turns} {several}" if self.turns > 1 else f"its last {one}"
+        return RUN if self.turns or np.isnan(rest) else f"{RUN}, which is less than a {one}"
 
     def cut(self, first: int) -> "Motion":
         """The rows from this one on."""
@@ -158,7 +178,7 @@ class Part:
         return parameter_of(self.motion.system.instances[self.name], name)
 
     def integrate(self, values: Vector | NDArray[np.bool_], over: Vector) -> float:
-        """Over a variable, in the last whole revolutions of the motion, of less in all rows."""
+        """Over a variable, in the last whole cycles of the motion, of less in all rows."""
         times, begin = self.motion.times, self.motion.begin
 
         def cut(rows: Vector | NDArray[np.bool_]) -> Vector:

@@ -222,6 +222,12 @@ def parameter_of(instance: Instance, name: str) -> float:
     return instance.parameters.get(name, instance.component.parameters.field(name).start)
 
 
+def count_gas_turns(gas: Instance) -> float:
+    """Turns of the crank in a cycle of its gas; two of a four-stroke engine."""
+    known = "cycle_turns" in gas.component.parameters
+    return parameter_of(gas, "cycle_turns") if known else 2.0
+
+
 def _find_rod_position(rocker: Instance, tip: float) -> float:
     role, numbers = rocker.component.find_role(roles.Rocker), rocker.component.parameters
     assert role

@@ -14,7 +14,8 @@ from models.core.system import System
 from ..assessment.contacts import ContactSummaries, summarise_rows, with_angles
 from ..assessment.diagnosis import Facts, diagnose_steps, read_written_steps, suggestions
 from ..assessment.frozen import list_frozen
-from ..assessment.merits import Merit, describe, list_merits, sum_friction
+from ..assessment.merits import Merit, describe, list_merits, read_motion, sum_friction
+from ..assessment.trains import find_trains
 from ..errors import RunError, Set, Words, join
 from ..reporter import WITNESS, Reporter
 from ..scenario.capabilities import MONOLITHIC
@@ -49,6 +50,9 @@ def assess(plan: Plan, summary: Summary, result: ResultFile, reporter: Reporter)
         return summary
     summary = replace(summary, frozen=list_frozen(plan.system, plan.third_party, result.column))
     judged = _judge(plan, summary, result, reporter)
+    if find_trains(plan.system) and not read_motion(plan.system, result.column).turns:
+        seen = "; the run is shorter than a revolution of its cam: no cycle was seen"
+        judged = replace(judged, verdict=join(judged.verdict, seen))
     if not judged.senseless or judged.exit_status != WITHIN:
         return judged
     name, since = next(iter(judged.senseless.items()))

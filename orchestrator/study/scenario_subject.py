@@ -42,7 +42,7 @@ ERRORS = {
 }
 SEPARATION: dict[str, tuple[str, str, Callable[[ContactSummary], float]]] = {
     "separations": ("1", "how often it opened", lambda c: c.separation.count if c.separation else 0.0),
-    "separated": ("1", "share of the time in which contact is lost", lambda c: c.lost),
+    "separated": ("1", "share of the whole run in which contact is lost", lambda c: c.lost),
     "largest_gap": ("m", "largest gap", lambda c: c.separation.gap if c.separation else 0.0),
     "impact_load": ("N", "load of the hardest impact", lambda c: c.impact.load if c.impact else 0.0),
     "impact_speed": ("m/s", "speed of the hardest impact", lambda c: c.impact.speed if c.impact else 0.0),

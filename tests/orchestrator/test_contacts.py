@@ -188,11 +188,11 @@ def test_a_contact_that_lash_opens_on_the_base_circle_is_not_lost():
     assert (lashed.separation.count, lashed.separation.gap) == (1, 3e-5)
     assert lashed.separation.longest == pytest.approx(1.0, abs=0.02)
     said = " ".join(told({"contact": lashed}))
-    assert "lost while the cam lifts, in 10 % of the time" in said
-    assert f"open in {100.0 * lashed.at_rest:.3g} % of the whole time, on the base circle" in said
+    assert "lost while the cam lifts, in 10 % of the whole run" in said
+    assert f"open in {100.0 * lashed.at_rest:.3g} % of the whole run, on the base circle" in said
     assert lashed.on_ramps == pytest.approx(np.mean(rest & (lift > 2e-4)), abs=2e-3)
     assert (lashed.ramp_lift, lift[round(100.0 * lashed.ramp_time)]) == (lift[rest].max(),) * 2
-    on_ramps = f"open in {100.0 * lashed.on_ramps:.3g} % of the whole time, on the ramps above the lash"
+    on_ramps = f"open in {100.0 * lashed.on_ramps:.3g} % of the whole run, on the ramps above the lash"
     assert f"{on_ramps}, up to a lift of {1e3 * lashed.ramp_lift:.3g} mm at t = " in said
     closed = history(time, np.where(lift > 2e-4, 9.0, 0.0), gap, "seat-and-lash", lift)["contact"]
     assert closed.at_rest > closed.on_ramps == 0.0

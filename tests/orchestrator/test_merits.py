@@ -27,7 +27,7 @@ from orchestrator.assessment.merits import (
     write_merits,
 )
 from orchestrator.assessment.motion import Motion
-from orchestrator.assessment.trains import Angle, find_degrees, find_turns
+from orchestrator.assessment.trains import Angle, find_turns
 from orchestrator.run.summary import Summary
 from orchestrator.scenario.display import show
 from orchestrator.scenario.files import load
@@ -121,15 +121,6 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
 def test_what_is_wrong_with_a_train_is_named(changed, said):
     """6 deg of the turn are 1.67 %."""
     assert said in told(**changed)
-
-
-def test_what_came_after_the_last_row_of_a_run_that_broke_off_has_its_own_angle():
-    """Also where an event left two rows at the last time."""
-    for more in (0, 1):
-        rows = {"time": np.array([0.0, 1.0, 2.0, 2.0]), "cam.angle": np.array([0.0, 1.0, 3.0, 3.0])}
-        read = {name: row[: 3 + more] for name, row in rows.items()}.__getitem__
-        found = find_degrees(Angle("cam_angle", "cam.angle"), [0.5, 2.0, 2.5], read)
-        np.testing.assert_allclose(np.radians(found), [0.5, 3.0, 4.0])
 
 
 @pytest.mark.parametrize(
@@ -279,43 +270,6 @@ def test_numbers_of_a_made_cycle():
     assert math.isnan(free["valve.spring_margin"])
     shut = valve_cycle(np.full(share.size, -1e-6), position=2e-4)
     assert math.isnan(measure_over(shut, 2.0 * math.pi * share)["valve.spring_margin"])
-
-
-@pytest.mark.parametrize(
-    ("turns", "window"),
-    [(1.0, "the run"), (1.6, "its last revolution"), (2.6, "its last 2 revolutions"), (0.6, "less than")],
-)
-def test_means_of_a_periodic_motion_do_not_depend_on_where_the_run_stops(turns, window, tmp_path):
-    """A train whose drive stores energy with the lift: whole revolutions give it back. Of less it is said."""
-    angle = np.linspace(0.0, 2.0 * math.pi * turns, round(7200 * turns) + 1)
-    lift = np.interp(angle, ANGLE, LIFT, period=2.0 * math.pi)
-    system = build_system(load("valve-train"))
-    columns = defaultdict(lambda: 0.0 * angle) | {
-        "time": 0.06 * angle / (2.0 * math.pi),
-        "flywheel.angle": angle,
-        "camshaft.cam_angle": angle,
-        "flywheel.supplied_torque": 1.0 + 1e3 * np.gradient(lift, angle),
-        "contact.friction_force": 12.0 + 1e3 * lift,
-        "camshaft.sliding_velocity": 2.0 + np.sin(angle),
-        "valve_spring.valve_lift": np.where(lift > 0.0, lift, -3e-6),
-    }
-    merits = list_merits(system, {}, columns.__getitem__)
-    write_merits(system, merits, [], columns.__getitem__, tmp_path / "summary.csv")
-    assert (f"over {window}" in (tmp_path / "summary.csv").read_text("utf-8-sig")) == (turns > 1.0)
-    (line,) = describe_trains(system, merits, columns.__getitem__)
-    assert f"W in the mean of {window}" in line or (turns < 1.0 and window in line)
-    found = {f"{merit.part}.{merit.figure}": merit.value for merit in merits}
-    # 8 mm of half a sine over 120 deg; friction by hand, as the sine of the velocity is odd about the nose.
-    area, seat = 8e-3 * 4.0 / 3.0, 3e-6 * 4.0 * math.pi / 3.0
-    power = 24.0 + 2e3 * area / (2.0 * math.pi)
-    known = {
-        "valve_spring.lift_area": area - seat,
-        "flywheel.mean_torque": 1.0,
-        "contact.friction_power": power,
-    }
-    known["contact.friction_torque"] = power * 0.06 / (2.0 * math.pi)
-    agreed = [found[name] == pytest.approx(value, rel=1e-5) for name, value in known.items()]
-    assert all(agreed) if turns >= 1.0 else not all(agreed)
 
 
 def test_losses_on_the_flanks_and_over_the_nose_are_told_apart():

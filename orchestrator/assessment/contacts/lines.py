@@ -110,7 +110,7 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
     if summary.least_load == math.inf:
         text = "the cam stays on its base circle and ramps, where no least load is judged"
     if summary.separation:
-        text = f"lost{when}, in {100.0 * summary.lost:.3g} % of the time"
+        text = f"lost{when}, in {100.0 * summary.lost:.3g} % of the whole run"
     text += f"; highest load {format_number(summary.largest_load)} N at {at('largest_load')}"
     text += f"; highest pressure {1e-6 * summary.pressure:.4g} MPa at {at('pressure')}"
     text += " (spikes at a reversal grow with the nodes)" if summary.solved else ""
@@ -127,10 +127,10 @@ def _write_lines(summary: ContactSummary) -> Iterator[str]:
         gap = f"; largest gap {format_number(1e6 * s.gap, 3)} µm at {at('gap')}"
         yield text + (gap if s.gap > 0.0 else "")
     if summary.at_rest > 0.0:
-        share = f"{100.0 * summary.at_rest:.3g} % of the whole time"
+        share = f"{100.0 * summary.at_rest:.3g} % of the whole run"
         yield f"open in {share}, on the base circle and its ramps"
     if summary.on_ramps > 0.0:
-        share = f"{100.0 * summary.on_ramps:.3g} % of the whole time"
+        share = f"{100.0 * summary.on_ramps:.3g} % of the whole run"
         lift = f"up to a lift of {1e3 * summary.ramp_lift:.3g} mm at {at('ramp')}"
         yield f"open in {share}, on the ramps above the lash, {lift}"
     if i := summary.impact:
