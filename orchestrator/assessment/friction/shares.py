@@ -35,7 +35,8 @@ def add_losses(table: xarray.Dataset, system: System) -> xarray.Dataset:
     table = table.assign_attrs(outside=name_outside(losses))
     if len(losses) < 2:
         return table
-    total = sum(table[f"{one.part}.{one.figure}"] for one in losses)
+    first, *others = (table[f"{one.part}.{one.figure}"] for one in losses)
+    total = sum(others, start=first)
     attributes = {"units": "W", "long_name": "mean friction power"}
     return table.assign({f"{WHOLE}.{POWER}": total.assign_attrs(attributes)})
 
