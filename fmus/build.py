@@ -23,16 +23,17 @@ from fmus.fmi.origin import note_built
 from models.catalogue import CATALOGUE, find_factory, identify, is_own
 from models.core.component import Component
 
-from .declared import experiment, find_extra
+from .declared import experiment
 from .documentation import MARKER, render_page
 from .fmi.description import GUID_PLACE, PYTHON, Origin, model_description
 from .fmu_cache import cache_path, recall, tidy, use_cached
 from .sources import collect_sources, name_module
+from .stimuli import find_stimulus
 
 HERE = Path(__file__).parent
 
 # Every component that has a folder here.
-NAMES: tuple[str, ...] = tuple(name for name in CATALOGUE if (HERE / name / "__init__.py").is_file())
+NAMES: tuple[str, ...] = tuple(name for name in CATALOGUE if (HERE / name / "README.md").is_file())
 
 # The earliest time that zip files allow. A fixed time makes equal content equal bytes.
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -50,6 +51,7 @@ except ImportError:
     raise
 
 from {package}.{module} import {factory} as make_component
+from {package}.models.core.bonds import counts_energies
 from {package}.models.core.integrator import FAILURES
 from {package}.slave import slave_class
 
@@ -60,6 +62,7 @@ ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
 try:
     {name} = globals()["{name}"]
 except KeyError:
+    make_component = counts_energies(make_component)
     {name} = slave_class(make_component(**{structure!r}), "{name}", "{package}", FAILURES)
 '''
 
@@ -192,7 +195,7 @@ def resolve_component(name: str, structure: Mapping[str, int] | None) -> tuple[d
 def compute_references(name: str, structure: Mapping[str, int] | None) -> dict[str, bytes]:
     """The FMU's reference results by path; none for a component without a stimulus or of other sizes."""
     sizes = resolve_component(name, structure)[1].structure
-    if is_own(name) or sizes != CATALOGUE[name]().structure or find_extra(name, "STIMULUS", None) is None:
+    if is_own(name) or sizes != CATALOGUE[name]().structure or find_stimulus(name) is None:
         return {}
     from .reference_results.inside import build_references  # its solvers take long to import
 

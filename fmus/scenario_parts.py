@@ -6,7 +6,7 @@ import keyword
 import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +18,13 @@ from .declared import explain_no_native
 from .fmi.description import Experiment
 from .sources import COMPANION, name_companion
 
-_IMPORTS = ["from models.core.system import Instance"]
+_IMPORTS = ["from models.core.bonds import counts_energies", "from models.core.system import Instance"]
 
 # Names that the file made here, or the script of an FMU in Python, needs for something else.
 _TAKEN = {
     *keyword.kwlist,
     *dir(builtins),
-    *("compose", "with_values", "Instance", "transform", "Transformation"),
+    *("compose", "with_values", "counts_energies", "Instance", "transform", "Transformation"),
     *("sys", "ctypes", "numpy", "slave_class", "FAILURES"),
 }
 
@@ -55,7 +55,7 @@ def write_part(folder: Path, name: str, about: str, part: Part, experiment: Expe
     """
     imports = ["from models.core.composite import with_values", *_IMPORTS, *_import([part], folder)]
     own = _write(folder, name, about, imports, f"with_values({_show(part)})")
-    _declare(own, EXPERIMENT=experiment, PYTHON_ONLY=explain_no_native(part.catalogue_name))
+    _declare(own, EXPERIMENT=astuple(experiment), PYTHON_ONLY=explain_no_native(part.catalogue_name))
     return own
 
 
@@ -79,7 +79,7 @@ def write_train(
     )
     own = _write(folder, name, about, imports, expression)
     reasons = [explain_no_native(part.catalogue_name) for part in parts.values()]
-    _declare(own, EXPERIMENT=experiment, PYTHON_ONLY=next(filter(None, reasons), ""))
+    _declare(own, EXPERIMENT=astuple(experiment), PYTHON_ONLY=next(filter(None, reasons), ""))
     return own
 
 
@@ -115,7 +115,8 @@ def _show(part: Part) -> str:
     sizes = ", ".join(f"{key}={value}" for key, value in sorted(instance.component.structure.items()))
     given = (instance.parameters, instance.start, instance.inputs)
     values = ", ".join(repr({name: float(value) for name, value in one.items()}) for one in given)
-    shown = f"Instance({_name_factory(part.catalogue_name)}({sizes}), {values})"
+    factory = f"counts_energies({_name_factory(part.catalogue_name)})"
+    shown = f"Instance({factory}({sizes}), {values})"
     if not part.transformed:
         return shown
     inputs = ", ".join(f"{name!r}: {one!r}" for name, one in part.transformed.items())

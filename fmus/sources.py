@@ -34,11 +34,11 @@ def collect_sources(factory: Callable[..., Any]) -> tuple[str, dict[str, bytes]]
     """
     root = Path(models.__file__).parent
     files: dict[str, bytes] = {}
+    begin = [root / "core" / "bonds.py"]
     if _is_ours(factory):
-        begin = [root.parent / Path(*factory.__module__.split(".")).with_suffix(".py")]
+        begin.append(root.parent / Path(*factory.__module__.split(".")).with_suffix(".py"))
     else:
         module = Path(inspect.getfile(inspect.unwrap(factory)))
-        begin = []
         waiting = {module.name: module}
         while waiting:
             name, file = waiting.popitem()

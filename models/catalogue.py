@@ -11,6 +11,7 @@ from collections.abc import Callable, MutableMapping
 from types import ModuleType
 from typing import Any
 
+from .core.bonds import counts_energies
 from .core.component import Component
 
 # The module of each component, below this package. Its factory has the component's name and takes structural
@@ -54,14 +55,16 @@ MODULES = {
 
 
 class _Catalogue(UserDict[str, Any]):
-    """The factories by name. A module is imported when its component is asked for: few runs need many."""
+    """The factories by name, which all count energies if asked (see `counts_energies`).
+
+    A module is imported when its component is asked for: few runs need many.
+    """
 
     def __getitem__(self, name: str) -> Callable[..., Component]:
         found = self.data[name]
         if isinstance(found, str):
             found = getattr(importlib.import_module(f".{found}", __package__), name)
-        factory: Callable[..., Component] = found
-        return factory
+        return counts_energies(found)
 
 
 CATALOGUE: MutableMapping[str, Callable[..., Component]] = _Catalogue(MODULES)
@@ -87,10 +90,10 @@ def find_factory(name: str) -> Callable[..., Component]:
     """
     if not is_own(name):
         return CATALOGUE[name]
-    factory: Callable[..., Component] = import_own(name)
+    factory = import_own(name)
     if not callable(factory):
         raise ValueError(f"{name}: is a {type(factory).__name__}, must be a function that gives a Component")
-    return factory
+    return counts_energies(factory)
 
 
 def import_own(name: str) -> Any:

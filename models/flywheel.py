@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from . import kinds
 from .compile.kernel import kernel
 from .core import roles
-from .core.bonds import counts_energies
 from .core.component import NO_EVENT, Component, PowerBond, check_sizes
 from .core.integrator import TOLERANCE
 from .core.quantities import Condition, Quantity, Vector, layouts
@@ -159,7 +158,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[2] = supplied_torque(t, u, p) * speed
 
 
-@counts_energies
 def flywheel(loads: int = 1, throws: int = 1) -> Component:
     """J w' = T_drive - sum of load torques when free; w(t) given by the ramp when prescribed.
 

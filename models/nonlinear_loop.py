@@ -13,7 +13,6 @@ from typing import Annotated
 
 from . import kinds
 from .compile.kernel import kernel
-from .core.bonds import counts_energies
 from .core.component import Component
 from .core.quantities import Vector, layouts
 
@@ -103,7 +102,6 @@ def sphere_output(t: float, x: SphereState, u: SphereInputs, p: SphereParameters
     y.square = x.square
 
 
-@counts_energies
 def planes() -> Component:
     """Two planes, on whose common line a third coordinate selects a point."""
     return Component(
@@ -117,7 +115,6 @@ def planes() -> Component:
     )
 
 
-@counts_energies
 def sphere() -> Component:
     """A sphere about the origin, whose radius changes."""
     return Component(

@@ -120,10 +120,11 @@ def carry_out(recipe: str, root: Path) -> list[str]:
     for path, text in written:
         (root / path).parent.mkdir(exist_ok=True)
         (root / path).write_text(textwrap.dedent(text) + "\n", encoding="utf-8")
-    ((changed, place, line),) = re.findall(r"In `([^`]+)` add [^`]+ to `(\w+)`:\s+`([^`]+)`", recipe)
-    content = (root / changed).read_text("utf-8")
-    (root / changed).write_text(content.replace(f"{place} = {{", f"{place} = {{\n    {line},"), "utf-8")
-    return [*(path for path, _ in written), changed]
+    changes = re.findall(r"[Ii]n\s+`([^`]+)` add [^`]+ to `(\w+)`:\s+`([^`]+)`", recipe)
+    for changed, place, line in changes:
+        content = (root / changed).read_text("utf-8")
+        (root / changed).write_text(content.replace(f"{place} = {{", f"{place} = {{\n    {line},"), "utf-8")
+    return [*(path for path, _ in written), *(changed for changed, _, _ in changes)]
 
 
 # The tappet's acceleration less k y / m, as anything else would change more; and its drawing.

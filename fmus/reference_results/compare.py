@@ -11,7 +11,10 @@ import csv
 import io
 import posixpath
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
 from urllib.parse import quote, unquote
 from xml.etree import ElementTree
@@ -333,3 +336,30 @@ def _apart(
     if not times[0] <= t <= times[-1]:
         return float("nan")
     return abs(float(np.interp(t, times, run)) - value)
+
+
+def compare_in_process(
+    paths: Sequence[Path], tolerance: float | None
+) -> Iterator[tuple[Path, Comparison | ComparisonError]]:
+    """What `compare` says of each file, or why nothing can be said.
+
+    They are compared in a process of their own, so that one that crashes is an answer and not the end.
+    """
+    pool = _pool()
+    try:
+        for path in paths:
+            try:
+                yield path, pool.submit(compare, path, tolerance).result()
+            except ComparisonError as error:
+                yield path, error
+            except BrokenProcessPool:
+                pool.shutdown()
+                pool = _pool()
+                yield path, ComparisonError(f"{path}: the FMU crashed: it ended the process that ran it")
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def _pool() -> ProcessPoolExecutor:
+    """One worker, a fresh interpreter: a copy of this process would have its threads' locks."""
+    return ProcessPoolExecutor(1, get_context("spawn"))

@@ -13,8 +13,9 @@ from models.core.component import Component
 from models.core.quantities import Vector
 from models.monolithic.driven import Driven, Piece, solve_driven
 
+from ..stimuli import find_stimulus
 from .files import Options, Table, csv_text, read_csv
-from .stimulus import Stimulus, load_stimulus, slope_name
+from .stimulus import Stimulus, slope_name
 
 # Of both solvers together; an integrator's own is a hundredth of it.
 TOLERANCE = 1e-10
@@ -43,7 +44,8 @@ class Results:
 @cache
 def compute_results(name: str) -> Results:
     """The reference results of the FMU `name`, which has a stimulus, with the component's own sizes."""
-    component, stimulus = CATALOGUE[name](), load_stimulus(name)
+    component, stimulus = CATALOGUE[name](), find_stimulus(name)
+    assert stimulus
     inputs = csv_text(*stimulus.table())
     pieces = split_at_corners(component, read_csv(inputs, f"{name}_in.csv"))
     instants = np.array(stimulus.instants())

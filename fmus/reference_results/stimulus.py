@@ -1,6 +1,5 @@
 """The stimulus of a component's reference results: inputs as broken lines in time, and the outputs."""
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -16,10 +15,11 @@ DIGITS = 6
 class Stimulus:
     """A run from time 0 at default parameters and starts, which are all that the rules allow.
 
-    `inputs` are values at `corners` (s), straight lines between them; an instant that stands twice is a jump.
-    Inputs that are not named keep their starts. `step_size` (s) is that of co-simulation; corners lie on its
-    multiples. `interval` (s) is that of the reference results, `outputs` what they are of, at most ten.
-    `says` tells in a few sentences what happens, and for impacts how long it can be predicted.
+    `inputs` are values at `corners` (s), or one for all, and straight lines between them; an instant that
+    stands twice is a jump. Inputs that are not named keep their starts. `step_size` (s) is that of
+    co-simulation; corners lie on its multiples. `interval` (s) is that of the reference results, `outputs`
+    what they are of, at most ten. `says` tells in a few sentences what happens, and for impacts how long it
+    can be predicted.
     """
 
     says: str
@@ -49,7 +49,9 @@ class Stimulus:
         interpolates what it reads has the right one on either side.
         """
         times = [Decimal(repr(float(t))) for t in np.asarray(self.corners)]
-        values = {name: [_round(v) for v in np.asarray(line)] for name, line in self.inputs.items()}
+        values = {
+            name: [_round(v) for v in np.broadcast_to(line, len(times))] for name, line in self.inputs.items()
+        }
         slopes = {name: _slopes(times, line) for name, line in values.items()}
         moving = [name for name, line in slopes.items() if any(line)]
         names = ["time"]
@@ -64,12 +66,6 @@ class Stimulus:
                 if times[side] < times[side + 1] and list(map(float, row)) not in rows[-1:]:
                     rows.append(list(map(float, row)))
         return names, rows
-
-
-def load_stimulus(name: str) -> Stimulus:
-    """The stimulus of the FMU `name`."""
-    found: Stimulus = importlib.import_module(f"fmus.{name}").STIMULUS
-    return found
 
 
 def slope_name(name: str) -> str:

@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Condition, Quantity, Vector, layouts
 from .films import FILMS, film_by_number
@@ -210,7 +209,6 @@ def energy(t: float, x: ContactState, u: ContactInputs, p: ContactParameters, e:
     e[2] = c.load * c.film_rate if p.film_model != FILM_IS_DRY else 0.0
 
 
-@counts_energies
 def ehl_contact() -> Component:
     """The lubricated line contact whose film follows a formula, compliant or in adherence form."""
     records = layouts(ContactParameters, ContactState, ContactInputs, ContactOutputs)

@@ -14,7 +14,6 @@ from typing import Any
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Layout, Quantity, join
 from ..core.requirements import require
@@ -143,7 +142,6 @@ def make_output(keeps_oil: bool, heated: bool) -> Any:
     return shown if keeps_oil or heated else output
 
 
-@counts_energies
 def ehl_line_contact(nodes: int = NODES, mass_conserving: int = 0, layers: int = 0) -> Component:
     """The lubricated line contact with a pressure field of so many nodes; ValueError if they cannot be.
 

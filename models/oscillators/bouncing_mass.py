@@ -14,7 +14,6 @@ from typing import Annotated
 
 from .. import kinds
 from ..compile.kernel import kernel
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.quantities import Vector, layouts
 
@@ -129,7 +128,6 @@ def stop_energy(t: float, x: StopState, u: StopInputs, p: SpringStopParameters, 
     e[2] = 0.0
 
 
-@counts_energies
 def falling_mass() -> Component:
     """A mass under gravity and a force."""
     return Component(
@@ -144,7 +142,6 @@ def falling_mass() -> Component:
     )
 
 
-@counts_energies
 def spring_stop() -> Component:
     """A massless spring and damper that pushes a mass away."""
     motion = ("position", "velocity")

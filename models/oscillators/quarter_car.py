@@ -15,7 +15,6 @@ from typing import Annotated
 
 from .. import kinds
 from ..compile.kernel import kernel
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.quantities import Vector, layouts
 
@@ -134,7 +133,6 @@ def wheel_energy(t: float, x: State, u: WheelInputs, p: WheelParameters, e: Vect
     e[2] = 0.0
 
 
-@counts_energies
 def quarter_car_chassis() -> Component:
     """The chassis on its suspension, over a wheel that moves as given."""
     return Component(
@@ -149,7 +147,6 @@ def quarter_car_chassis() -> Component:
     )
 
 
-@counts_energies
 def quarter_car_wheel() -> Component:
     """The wheel on its tyre, under a chassis that moves as given."""
     return Component(

@@ -12,7 +12,6 @@ from typing import Annotated
 
 from .. import kinds
 from ..compile.kernel import kernel
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.quantities import Vector, layouts
 
@@ -117,7 +116,6 @@ def coupled_energy(t: float, x: MassState, u: CoupledInputs, p: CoupledMassParam
     e[2] = 0.0
 
 
-@counts_energies
 def sprung_mass() -> Component:
     """A mass on a spring and damper to the ground, driven by a force."""
     return Component(
@@ -132,7 +130,6 @@ def sprung_mass() -> Component:
     )
 
 
-@counts_energies
 def coupled_mass() -> Component:
     """A mass like `sprung_mass`, with the spring and damper that couple it to another mass."""
     return Component(

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Vector, layouts
 from ..core.requirements import require
@@ -124,7 +123,6 @@ def rod_passes(p: Parameters, numbers: Vector) -> bool:
 REQUIREMENTS = (crank_turns, rod_passes)
 
 
-@counts_energies
 def piston_clearance() -> Component:
     """A kinematic observer: it acts on nothing."""
     return Component(

@@ -9,7 +9,6 @@ import math
 
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, Events, PowerBond
 from ..core.quantities import Vector, layouts
 from .checks import REQUIREMENTS, START_REQUIREMENTS
@@ -212,7 +211,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
         e[2] = wall_force(x.mode, now, u, p) * film_rate
 
 
-@counts_energies
 def slider_crank() -> Component:
     """The slider-crank with clearance at its slider."""
     moving = ("crank_angle", "crank_speed")

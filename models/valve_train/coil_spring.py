@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -144,7 +143,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[0], e[1], e[2] = stored, lost, 0.0
 
 
-@counts_energies
 def coil_spring(segments: int = 9) -> Component:
     """A spring of `segments` segments with a mass between each two."""
     check_sizes(segments=segments, coil_masses=segments - 1)

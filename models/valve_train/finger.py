@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -256,7 +255,6 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
     return derivative, output
 
 
-@counts_energies
 def finger(table_points: int = 0) -> Component:
     """A finger on a cam by a law, or through `table_points` points."""
     profile, parameters = choose_profile(table_points, LeverParameters)

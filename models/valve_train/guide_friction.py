@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -112,7 +111,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[2] = 0.0
 
 
-@counts_energies
 def guide_friction() -> Component:
     """Dry friction of at most mu (|N_1| + |N_2|), and pi mu d L v/c."""
     moving = Inputs.__dataclass_fields__.keys()

@@ -26,7 +26,6 @@ from ..contact.grooved_bearing import Grooves, find_grooved_squeeze
 from ..contact.grooved_pressure import find_grooved_pressure
 from ..contact.short_bearing import Squeeze, find_squeeze, highest_pressure
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Condition, Vector, layouts
@@ -310,7 +309,6 @@ def is_resolved(p: PlainBearingParameters, numbers: Vector) -> bool:
 REQUIREMENTS = (is_short, is_smooth, has_pads, is_resolved)
 
 
-@counts_energies
 def journal_bearing() -> Component:
     """F = -k (a - e) on the journal; e' = (mu R L^3/c^3 A)^-1 (-F - N e/|e|) + omega/2 k x e."""
     places = ("axis_x", "axis_y")

@@ -17,7 +17,6 @@ from typing import NamedTuple
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Condition, Quantity, Vector, layouts
@@ -226,7 +225,6 @@ def energy(t: float, x: State, u: EndMotions, p: Parameters, e: Vector) -> None:
     e[2] = 0.0
 
 
-@counts_energies
 def lash_adjuster() -> Component:
     """N = A p + F_spring - retainer >= 0 on two bodies; dq/dt = G p - K max(0, -p - p_valve)."""
     places = ("lower_position", "upper_position")

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component
 from ..core.quantities import Quantity
 from .pivot_friction import Inputs, PivotLaws, RelaxationTime, TwistStiffness, make_pivot
@@ -59,7 +58,6 @@ def viscous_loss(rate: float, p: Parameters) -> float:
     return viscous_torque(rate, p) * rate
 
 
-@counts_energies
 def needle_bearing() -> Component:
     """M = 1e-7 f_0 (nu n)^(2/3) d_m^3 + f_1 F d_m (N mm)."""
     return make_pivot(

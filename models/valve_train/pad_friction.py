@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -79,7 +78,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[2] = 0.0
 
 
-@counts_energies
 def pad_friction() -> Component:
     """T = k (z + tau v_s), at most mu W; z' = (T/k - z)/tau."""
     moving = ("sliding_velocity", "load")

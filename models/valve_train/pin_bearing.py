@@ -20,7 +20,6 @@ from .. import kinds
 from ..compile.kernel import kernel
 from ..contact.short_bearing import Squeeze
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Condition, Vector, layouts
@@ -150,7 +149,6 @@ def faces_are_outside(p: Parameters, numbers: Vector) -> bool:
     return p.face_gap == 0.0 or p.face_radius > 0.5 * p.diameter
 
 
-@counts_energies
 def pin_bearing() -> Component:
     """T = 2 pi mu R^3 L omega/(c sqrt(1 - eps^2)) + (force x e)/2 + T_N + T_F under a given load."""
     turning = ("rotation_rate", "applied_load")

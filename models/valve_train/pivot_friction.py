@@ -10,7 +10,6 @@ from typing import Annotated, Any, NamedTuple
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Quantity, Vector, layouts
@@ -139,7 +138,6 @@ def make_pivot(name: str, description: str, parameters: type, laws: PivotLaws, *
     )
 
 
-@counts_energies
 def pivot_friction() -> Component:
     """T = k (z + tau omega), at most mu r |F| + T_0; z' = (T/k - z)/tau."""
     return make_pivot(

@@ -8,7 +8,6 @@ from typing import NamedTuple
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -115,7 +114,6 @@ def energy(t: float, x: LeverMotion, u: RockerInputs, p: RockerParameters, e: Ve
     e[2] = 0.0
 
 
-@counts_energies
 def rocker() -> Component:
     """J phi'' = F_rod a cos(..) - W L cos(..) - friction."""
     return Component(

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Quantity, Vector, layouts
@@ -59,7 +58,6 @@ def end_force(stiffness: float, compression: float, rate: float, p: RodParameter
     return force
 
 
-@counts_energies
 def rod(segments: int = 4) -> Component:
     """A rod of `segments` segments."""
     check_sizes(segments=segments)

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -113,7 +112,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[2] = 0.0
 
 
-@counts_energies
 def roller() -> Component:
     """J (omega - beta')' = r T - T_p - c omega, with the traction T of at most mu W."""
     surfaces = ("rolling_velocity", "load", "rotation_rate")

@@ -11,7 +11,6 @@ from typing import NamedTuple
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Quantity, Vector, layouts
@@ -227,7 +226,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[0], e[1], e[2] = stored, lost, 0.0
 
 
-@counts_energies
 def shaft(cams: int = 1, torsion_modes: int = 1, bending_modes: int = 1) -> Component:
     """Torsion: I (t'' + 2 zeta w t' + w^2 t) = -phi^T T - (phi^T M 1) psi''. Bending, with q = x + i y:
     m (q'' + 2 zeta w (q' - i Omega q) + w^2 q) = phi^T F + i Omega Gamma q'."""

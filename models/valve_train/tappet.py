@@ -10,7 +10,6 @@ from typing import Any
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import NO_EVENT, Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Condition, Vector, layouts
@@ -151,7 +150,6 @@ def make_motion(profile: CamProfile) -> tuple[Any, Any]:
     return derivative, output
 
 
-@counts_energies
 def tappet(table_points: int = 0) -> Component:
     """A follower in its guide, on a cam by a law, or through `table_points` points."""
     profile, parameters = choose_profile(table_points, FollowerParameters)

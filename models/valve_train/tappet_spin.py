@@ -23,7 +23,6 @@ import numpy as np
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -123,7 +122,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[2] = -abs(u.friction_force) * find_traction(x, u, p).sliding
 
 
-@counts_energies
 def tappet_spin() -> Component:
     """J Omega' = F <(z v_x - x v_z)/|v|> - 2 pi mu R^3 L_b Omega/c."""
     places = ("sliding_velocity", "contact_offset")

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -86,7 +85,6 @@ def energy(t: float, x: State, u: Inputs, p: Parameters, e: Vector) -> None:
     e[2] = 0.0
 
 
-@counts_energies
 def valve(springs: int = 1) -> Component:
     """m y'' = load - sum of the springs' forces - gas force + seat force - F_g - c y'."""
     check_sizes(springs=springs)

@@ -13,7 +13,6 @@ import numpy as np
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
-from ..core.bonds import counts_energies
 from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
@@ -151,7 +150,6 @@ def segment_energy(p: ValveSpringParameters, share: float, compression: float) -
     return 0.5 * share * p.spring_rate * compression**2 + 0.5 * p.clash_stiffness * clash**2
 
 
-@counts_energies
 def valve_spring(coil_masses: int = 2) -> Component:
     """Valve and spring with `coil_masses` coil masses.
 

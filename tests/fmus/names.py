@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import pytest
 
 from fmus.build import NAMES
-from fmus.declared import find_extra
+from fmus.stimuli import find_stimulus
 
 # Those with impacts, vectors, events in time and plain motion among them.
 ALWAYS = ("valve_spring", "slider_crank", "flywheel")
@@ -14,7 +14,7 @@ ALWAYS = ("valve_spring", "slider_crank", "flywheel")
 LAYER = "tests.models.fluid_layer:fluid_layer"
 
 # Those with reference results.
-REFERENCED = tuple(name for name in NAMES if find_extra(name, "STIMULUS", None) is not None)
+REFERENCED = tuple(name for name in NAMES if find_stimulus(name))
 
 
 def mark_long(names: Iterable[str], always: Iterable[str] = ALWAYS) -> list:

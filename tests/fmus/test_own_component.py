@@ -6,6 +6,7 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import fmpy
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -35,7 +36,7 @@ report([slave.get(["angle"])[0], ours])
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The page's file in an empty folder, which is the current one; forgotten afterwards."""
-    (tmp_path / "my_parts.py").write_text(CODE, "utf-8")
+    (tmp_path / "my_parts.py").write_text(f"{CODE}\nEXPERIMENT = (2.0, 1e-3)\n", "utf-8")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     monkeypatch.delitem(sys.modules, "my_parts", raising=False)
@@ -55,6 +56,7 @@ def solve_pendulum(time: float) -> float:
 @pytest.mark.parametrize("native", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_its_fmu_moves_by_its_equations_where_nothing_else_is(native, folder, isolated):
     path = tribocosim.build_fmu("my_parts:pendulum", folder, native=native)
+    assert float(fmpy.read_model_description(path).defaultExperiment.stopTime) == 2.0
     angle, ours = isolated(STEPPED.format(fmu=str(path)))
     assert ours == []
     assert angle == pytest.approx(solve_pendulum(1.0), abs=1e-8)

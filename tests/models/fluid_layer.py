@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from models.compile.kernel import kernel, record_of
-from models.core.bonds import counts_energies
 from models.core.component import Component, PowerBond
 from models.core.integrator import NOT_CONVERGED, OK, taylor
 from models.core.quantities import Quantity, Vector, layouts
@@ -65,7 +64,6 @@ def drag(p: Any, sheets: int, wide: bool, slip: float) -> float:
     return p.area * p.eyring_stress * math.asinh(p.viscosity * slip / (distance * p.eyring_stress))
 
 
-@counts_energies
 def fluid_layer(sheets: int = 3) -> Component:
     """With so many sheets; without any, the layer has no inertia. See the module."""
     n = sheets

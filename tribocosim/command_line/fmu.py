@@ -174,7 +174,7 @@ def fmu_compare(
 
     Exit status 1: one differs, 2: one has no reference or does not run.
     """
-    from fmus.reference_results.apart import compare_in_process
+    from fmus.reference_results.compare import compare_in_process
     from fmus.reference_results.files import ComparisonError
     from orchestrator.errors import MistakeError, Option, in_command_line
 

@@ -19,7 +19,6 @@ from typing import Any
 from ... import kinds
 from ...compile.kernel import kernel
 from ...core import roles
-from ...core.bonds import counts_energies
 from ...core.component import Component, check_sizes
 from ...core.points import find_point, measure_segment
 from ...core.quantities import Quantity, Vector, layouts
@@ -235,7 +234,6 @@ TABLE_REQUIREMENTS = (crank_turns, pressure_angles_ascend, pressures_are_absolut
 REQUIREMENTS = (crank_turns, burns_in_compression, blows_down_before_overlap)
 
 
-@counts_energies
 def cylinder_gas(valves: int = 1, pressure_points: int = 0) -> Component:
     """Gas pressure of a four-stroke cycle, or through points of a cycle; its forces on the valves' heads."""
     check_sizes(valves=valves)

@@ -2,7 +2,6 @@
 
 from ...compile.kernel import kernel
 from ...core import roles
-from ...core.bonds import counts_energies
 from ...core.component import Component, PowerBond
 from ...core.quantities import layouts
 from . import mechanics as me
@@ -82,7 +81,6 @@ def driven_output(t: float, x: DrivenState, u: DrivenInputs, p: DrivenParameters
     y.crank_impact_impulse = x.crank_impact_impulse
 
 
-@counts_energies
 def piston_crank() -> Component:
     """The slider-crank with a tilting piston on a crank that is driven."""
     turning = ("crank_angle", "crank_speed")
@@ -145,7 +143,6 @@ def free_output(t: float, x: FreeState, u: FreeInputs, p: FreeParameters, y: Fre
     y.crank_speed = x.crank_speed
 
 
-@counts_energies
 def free_piston_crank() -> Component:
     """The slider-crank with a tilting piston on a crank of its own."""
     forced = ("crank_drive", "gas_pressure")

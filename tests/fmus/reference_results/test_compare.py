@@ -12,8 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fmus.build import build
-from fmus.reference_results.apart import compare_in_process
-from fmus.reference_results.compare import compare, find_results, read_results
+from fmus.reference_results.compare import compare, compare_in_process, find_results, read_results
 from fmus.reference_results.files import ComparisonError, Options, csv_text, read_csv, read_options
 from fmus.reference_results.inside import FOLDER, MANIFEST
 from fmus.reference_results.results import compute_results

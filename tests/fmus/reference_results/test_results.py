@@ -15,7 +15,7 @@ from fmus.reference_results.results import (
     split_at_corners,
     step_component,
 )
-from fmus.reference_results.stimulus import load_stimulus
+from fmus.stimuli import find_stimulus
 from models.catalogue import CATALOGUE
 
 from ..names import REFERENCED, mark_long
@@ -27,7 +27,7 @@ SAME = 1e-8
 
 
 def written_inputs(name: str) -> Table:
-    return read_csv(csv_text(*load_stimulus(name).table()), "in")
+    return read_csv(csv_text(*find_stimulus(name).table()), "in")
 
 
 def apart(found: Table, wanted: Table) -> dict[str, float]:
@@ -41,7 +41,7 @@ def apart(found: Table, wanted: Table) -> dict[str, float]:
 @pytest.mark.parametrize("name", mark_long(REFERENCED, ["valve_spring", "flywheel", "piston_clearance"]))
 def test_two_solvers_and_the_component_s_steps_agree(name, tmp_path, record):
     """Within the stated tolerance, which is not wider than the rule says; other tools read the files."""
-    now, own = compute_results(name), load_stimulus(name)
+    now, own = compute_results(name), find_stimulus(name)
     for file, text in now.files.items():
         (tmp_path / file).parent.mkdir(exist_ok=True)
         (tmp_path / file).write_text(text)
@@ -74,7 +74,7 @@ def test_two_solvers_and_the_component_s_steps_agree(name, tmp_path, record):
     ],
 )
 def test_a_drift_of_a_millionth_in_the_physics_is_seen(name, parameter):
-    component, own = CATALOGUE[name](), load_stimulus(name)
+    component, own = CATALOGUE[name](), find_stimulus(name)
     instants = np.array(own.instants())
     pieces = split_at_corners(component, written_inputs(name))
     start = component.parameters.start
@@ -87,7 +87,7 @@ def test_a_drift_of_a_millionth_in_the_physics_is_seen(name, parameter):
 
 def moved(name: str, state: str, error: float, output: str) -> np.ndarray:
     """How far the output is off along the stimulus, at its steps, when the state starts off by that much."""
-    own, runs = load_stimulus(name), []
+    own, runs = find_stimulus(name), []
     for beside in (0.0, error):
         component = CATALOGUE[name]()
         component.state.start[component.state.index(state)] += beside
@@ -110,7 +110,7 @@ def test_the_piston_cranks_forget_a_small_error():
 
 @pytest.mark.parametrize("name", REFERENCED)
 def test_steps_meet_corners_and_results(name):
-    own, component = load_stimulus(name), CATALOGUE[name]()
+    own, component = find_stimulus(name), CATALOGUE[name]()
     steps = np.asarray(own.corners) / own.step_size
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-9)
     wide = own.interval / own.step_size
@@ -123,7 +123,7 @@ def test_inputs_are_read_back_as_the_broken_lines_that_they_are():
     """Values on both sides of every corner, slopes between; a jump has one row before and one after."""
     component = CATALOGUE["sprung_mass"]()
     stimulus = dataclasses.replace(
-        load_stimulus("sprung_mass"), corners=[0.0, 1.0, 1.0, 3.0], inputs={"force": [0.0, 2.0, 5.0, 4.0]}
+        find_stimulus("sprung_mass"), corners=[0.0, 1.0, 1.0, 3.0], inputs={"force": [0.0, 2.0, 5.0, 4.0]}
     )
     text = csv_text(*stimulus.table())
     assert text.splitlines()[1:] == ["0,0,2", "1,2,2", "1,5,-0.5", "3,4,-0.5"]

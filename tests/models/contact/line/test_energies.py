@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from models.catalogue import CATALOGUE
 from models.contact.asperities import Asperities, mean_gap, pressure_scale
-from models.contact.ehl_line_contact import ehl_line_contact
 from models.contact.fluid import Lubricant, density_ratio, density_slope, enthalpy
 from models.contact.hertz import elastic_compliance, elastic_energy
 from models.contact.line.energies import asperities_at, oil_energy
@@ -31,7 +31,7 @@ LOAD_IS_GIVEN = [
 
 def counting(nodes: int = 101, energies: int = 1, **parameters: float) -> Stepped:
     """A solved film of smooth surfaces whose steps are not cut."""
-    component = ehl_line_contact(nodes=nodes, energies=energies)
+    component = CATALOGUE["ehl_line_contact"](nodes=nodes, energies=energies)
     chosen = {"field_tolerance": 0.1, "roughness": 0.0, **parameters}
     return Stepped(component, parameters=chosen, inputs=RUNNING)
 
