@@ -72,6 +72,7 @@ def test_it_has_the_bits_of_the_command(tmp_path: Path) -> None:
     settings = ("--set", "stop_time=4 ms", "--set", "reference.enabled=false", "--no-figures")
     assert called("run", "valve-train", *settings, "--out", str(out)).returncode == 0
     assert own.coupled.identical(tribocosim.open(out).coupled)
+    assert own.verdict.endswith("the run is shorter than a revolution of its cam: no cycle was seen")
 
 
 def test_runs_in_threads_have_the_bits_of_runs_in_turn() -> None:
