@@ -152,8 +152,8 @@ def design(
 
     Both cams over the cam angle, with their contacts at some speeds. Attributes: `area`, that of the lift
     over the one before; `separation` (rad/s) before and after; `active`, what holds the cam, in words;
-    `feasible`, 0 where no cam keeps all limits. `out` keeps scenario, lift table and figure; a call
-    that was stopped goes on there.
+    `feasible`, 0 where no cam keeps all limits, also in its coupled run. `out` keeps scenario, lift table and
+    figure; a call that was stopped goes on there.
     """
     from orchestrator.study.design.brief import read_brief
     from orchestrator.study.design.run import design as design_cam

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,6 @@ import pytest
 
 import tribocosim
 from models.core.quantities import Vector
-from models.core.system import ModelError
 from models.valve_train.cams.table import TURN
 from models.valve_train.followers.mechanisms import Flat
 from models.valve_train.worn_cam import PLACES
@@ -25,7 +23,6 @@ from orchestrator.scenario.lift_table import format_lifts, read_lift_table
 from orchestrator.scenario.system import list_parameters
 from orchestrator.study.design.answers import Answer, Column
 from orchestrator.study.design.brief import Limits, read_brief
-from orchestrator.study.design.figures import Objective
 from orchestrator.study.design.files import keep, read_kept
 from orchestrator.study.design.limits import (
     Limit,
@@ -39,7 +36,7 @@ from orchestrator.study.design.limits import (
 from orchestrator.study.design.lobe import Lobe, find_event
 from orchestrator.study.design.report import Check
 from orchestrator.study.design.run import find_own_limits, find_own_separation, find_wanted, tabulate_best
-from orchestrator.study.design.search import BOX, SHORTER, Search
+from orchestrator.study.design.search import Search
 from orchestrator.study.design.slp import Line, Optimum, Problem, maximise
 from orchestrator.study.design.train import open_train
 from orchestrator.study.design.wanted import Found, Wanted
@@ -283,50 +280,6 @@ def test_a_cam_that_has_lost_contact_at_its_own_speed_gives_no_limit() -> None:
         find_own_separation(asked, Lost(), 200.0)  # type: ignore[arg-type]
     found = find_own_separation(asked, Lost(), 50.0)  # type: ignore[arg-type]
     assert found == pytest.approx(100.0, rel=2e-3)
-
-
-class Parting(Search):
-    """A search whose cycles, here their speeds, lose contact above 95 rad/s."""
-
-    measured = columns = contacts = ()  # type: ignore[assignment]
-
-    def kept(self, x: Vector) -> list[float]:
-        return [100.0]
-
-    all_speeds = kept
-
-    def is_lost(self, cycle: Any) -> bool:
-        return bool(cycle > 95.0)
-
-    def judge(self, x: Vector, *others: Any) -> Found:
-        return Found(x, 1.0 + 1e-3 * float(x[0]), {}, 1.0)
-
-    def model(self, *others: Any) -> Any:
-        objective, none = SimpleNamespace(gradient=np.zeros(1)), SimpleNamespace(limits=[])
-        return SimpleNamespace(lines=[], objective=objective, evaluate=lambda x: none)
-
-    def solve(self, model: Any, start: Vector, box: float, starts: int) -> Any:
-        return SimpleNamespace(unknowns=start + box, active=[])
-
-
-def test_a_cycle_that_fails_between_speeds_makes_the_step_smaller_and_ends_no_search() -> None:
-    """Where contact is lost is looked for by halves: there the first step has no cycle."""
-
-    def simulate(x: Vector, speed: float) -> float:
-        if x[0] >= BOX and 94.1 < speed < 97.0:
-            raise ModelError("no step succeeds")
-        return speed
-
-    lobe = SimpleNamespace(angles=np.zeros(1), count=1)
-    train: Any = SimpleNamespace(lobe=lobe, simulate=simulate, parameters=())
-    wanted: Any = SimpleNamespace(speeds=[], objective=Objective())
-    told: list[str] = []
-    search = Parting(train, wanted, np.empty((0, 2)), 100.0, 1.0, told.append)
-    found = search.improve(np.zeros(1), lambda *best: None).found
-    assert told[0].startswith("goes on from designed.toml: area ")
-    assert found.unknowns == pytest.approx([SHORTER * BOX])
-    assert sum("no cycles (no step succeeds)" in line for line in told) == 1
-    assert search.look(found.unknowns)[100.0].parting == pytest.approx(95.0, abs=0.2)
 
 
 def test_the_least_load_of_the_own_cam_is_that_while_it_lifts(tmp_path: Path) -> None:

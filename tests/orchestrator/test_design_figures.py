@@ -16,10 +16,12 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 from models.monolithic.cycle import STEADY
 from models.valve_train.followers.mechanisms import Flat
+from orchestrator.assessment.motion import Found as Value
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import list_parameters
 from orchestrator.scenario.wire import insert_wire
+from orchestrator.study.design import run as design_run
 from orchestrator.study.design.answers import Answer, Column, follow_reversal
 from orchestrator.study.design.brief import Brief, Limits, list_briefs, read_bounds, read_brief
 from orchestrator.study.design.deliverables import deliver
@@ -342,6 +344,22 @@ def test_a_limit_that_is_not_reached_has_its_margin_and_one_that_a_run_breaks_is
     )
     assert describe_excess(6e8, 5.5e8) == ": exceeds the limit of 550.0 MPa by 9.1 %"
     assert (describe_excess(5e8, 5.5e8), describe_excess(5e8, math.inf)) == (", limit 550.0 MPa", "")
+
+
+@pytest.mark.parametrize(
+    ("complete", "pressure", "kept"), [(True, 5e8, True), (True, 6e8, False), (False, 5e8, False)]
+)
+def test_a_design_whose_coupled_run_fails_or_breaks_a_limit_does_not_keep_all(
+    complete, pressure, kept, monkeypatch, tmp_path
+):
+    ended = SimpleNamespace(complete=complete, message="", contacts={"a": SimpleNamespace(pressure=pressure)})
+    found = {"load": None, "read_changed": {}, "find_flywheel": "", "run_part": ended}
+    found["SpeedSubject"] = SimpleNamespace(find_motion_at=lambda speed: None)
+    for name, value in found.items():
+        monkeypatch.setattr(design_run, name, lambda *_, value=value: value)
+    monkeypatch.setitem(design_run.CONTACT, "peak_pressure", (None, lambda part: Value(5e8)))
+    wanted = Wanted({}, {"a": 5.5e8}, {}, 0.0, [], [])
+    assert design_run.couple(tmp_path, 100.0, wanted, None, None)[1] is kept
 
 
 @pytest.mark.long

@@ -131,7 +131,8 @@ def design_cam(
     """Find the cam with the most lift area within limits on contacts, curvature, acceleration and separation.
 
     Writes a scenario with the cam's lift table. The same command continues an interrupted search. Exit status
-    0: all limits are kept, 1: no such cam was found, 2: a mistake in the brief, 130: interrupted.
+    0: all limits are kept, 1: no such cam was found, or its coupled run fails or breaks a limit, 2: a mistake
+    in the brief, 130: interrupted.
     """
     from orchestrator.reporter import tell_interruption
     from orchestrator.study.design.brief import read_brief

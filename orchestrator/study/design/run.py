@@ -1,7 +1,7 @@
 """`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -215,10 +215,11 @@ def design(
         with reporter.stage("check of the designed cam") as bar:
             after = check(out, wanted, speeds, bar)
         with reporter.stage("coupled run of the designed cam") as bar:
-            coupled = couple(out, train.own_speed, wanted, build, follow(bar.show))
+            coupled, kept = couple(out, train.own_speed, wanted, build, follow(bar.show))
             said = [*deliver(out, train, improved.found.unknowns), *coupled]
         geometries = train.lobe.kind.geometry, search.geometry(improved.found.unknowns)
         table = tabulate(train, wanted, improved, (before, after), geometries)
+        table.attrs["feasible"] = int(table.attrs["feasible"] and kept)
         table.to_netcdf(out / TABLE, engine="h5netcdf")
         save_figure(lambda: draw_design(table), out / FIGURE)
         (out / PROGRESS).unlink()
@@ -249,23 +250,29 @@ def tabulate_best(search: Search, before: Check, found: Found, seen: Mapping[flo
     return tabulate(search.train, search.wanted, Improved(found, []), checks, geometries)
 
 
-def couple(out: Path, speed: float, wanted: Wanted, build: Builder, reporter: Reporter) -> Iterator[Words]:
-    """A coupled run of the written scenario at its own speed (rad/s), its cycle there, and the limits."""
+def couple(
+    out: Path, speed: float, wanted: Wanted, build: Builder, reporter: Reporter
+) -> tuple[list[Words], bool]:
+    """A coupled run of the written scenario at its own speed (rad/s), its cycle there, and the limits; and
+    whether it keeps them."""
     scenario = load(out / SCENARIO)
     with TemporaryFolder() as folder:
         summary = run_part(scenario, folder / "coupled", build, reporter)
     if not summary.complete:
-        yield ("the coupled run of the designed cam failed: ", summary.message)
-        return
+        return [("the coupled run of the designed cam failed: ", summary.message)], False
+    said, kept = list[Words](), True
     subject = SpeedSubject(read_changed(out / SCENARIO), find_flywheel(scenario))
     motion = subject.find_motion_at(speed)
     for name, contact in summary.contacts.items():
         pressure = CONTACT["peak_pressure"][1](Part(motion, name)).value
-        yield (
+        most = wanted.pressures.get(name, math.inf)
+        kept &= contact.pressure <= (1.0 + CONFIRMED) * most
+        said.append(
             f"coupled run at {speed * RPM:.0f} r/min: largest pressure in {name} "
             f"{1e-6 * contact.pressure:.1f} MPa, of the cycle {1e-6 * pressure:.1f} MPa"
-            f"{describe_excess(contact.pressure, wanted.pressures.get(name, math.inf))}"
+            f"{describe_excess(contact.pressure, most)}"
         )
+    return said, kept
 
 
 def describe_excess(pressure: float, most: float) -> str:

@@ -175,6 +175,8 @@ class Search:
         for number in range(1, MOST_ROUNDS):
             show_share(number / MOST_ROUNDS, f", round {number} of at most {MOST_ROUNDS - 1}")
             x = self.solve(model, found.unknowns, box, self.starts if number == 1 else 1).unknowns
+            # A box within a refused step does not hold the same optimum again.
+            shorter = SHORTER * min(box, float(np.max(np.abs(x - found.unknowns) / self.scale)))
             try:
                 seen = self.look(x)
                 here = self.judge(x, seen)
@@ -183,7 +185,7 @@ class Search:
                     model = self.model(x, seen)
             except ModelError as error:
                 self.tell(f"round {number} refused: no cycles ({error}); a smaller step is tried")
-                box *= SHORTER
+                box = shorter
                 continue
             said = describe(here, self.wanted.objective)
             if gain > 0.0:
@@ -192,7 +194,7 @@ class Search:
                 best(found, seen)
             else:
                 self.tell(f"round {number} refused: {said}; a smaller step is tried")
-                model, box = self.correct(model, x, seen), box * SHORTER
+                model, box = self.correct(model, x, seen), shorter
             if 0.0 < gain <= LITTLE or box < SMALLEST:
                 break
         # What holds the cam, by its own cycles; the optimum of their model reaches farther.
