@@ -157,19 +157,6 @@ def test_free_motion_under_constant_torques():
     assert found["angle"] == pytest.approx(30.0 * times + 20.0 * times**2, rel=1e-11)
 
 
-def test_power_that_is_not_stored_is_supplied():
-    """dE/dt of J omega^2/2 is the supplied power less that of the load, driven and prescribed."""
-    for parameters, torques in (({"motion": 0.0}, {"drive_torque": 12.0, "load_torque[1]": 2.0}), (RAMP, {})):
-        p, u, x = WHEEL.parameters.vector(parameters), WHEEL.inputs.vector(torques), WHEEL.state.vector({})
-        dx, energies = np.zeros(x.size), np.zeros((3, 3))
-        WHEEL.flat_derivative(0.4, x, u, p, dx)
-        for e, h in zip(energies, (-1e-5, 0.0, 1e-5), strict=True):
-            WHEEL.flat_energy(0.4 + h, x + h * dx, u, p, e)
-        speed = outputs_of(WHEEL, parameters, {}, torques, t=0.4)["speed"]
-        gained = (energies[2, 0] - energies[0, 0]) / 2e-5
-        assert gained == pytest.approx(energies[1, 2] - torques.get("load_torque[1]", 0.0) * speed, rel=1e-7)
-
-
 def test_loads_add_up():
     loads = {f"load_torque[{i}]": float(i) for i in (1, 2, 3)}
     wheel = CATALOGUE["flywheel"](loads=3)

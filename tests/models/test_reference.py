@@ -193,16 +193,15 @@ def test_unknown_output_is_a_key_error():
         found["ball.heigth"]
 
 
-def test_difference_is_relative_to_the_references_spread():
+def test_difference_is_relative_to_the_references_spread_or_of_a_constant_to_its_size():
     reference = np.array([1.0, 3.0, 1.0, 3.0])
     found = difference(reference + 0.5, reference)
     assert (found.max_abs, found.rms, found.relative_rms) == (0.5, 0.5, 0.5)
-
-
-def test_difference_of_a_constant_is_relative_to_its_size():
     assert difference(np.full(3, 101.0), np.full(3, 100.0)).relative_rms == pytest.approx(0.01)
     assert difference(np.full(3, 1e-9), np.zeros(3), nominal=1e-6).relative_rms == pytest.approx(1e-3)
     assert difference(np.zeros(3), np.zeros(3)).relative_rms == 0.0
+    with pytest.raises(ValueError, match=r"shapes \(2,\) and \(3,\)"):
+        difference(np.zeros(2), np.zeros(3))
 
 
 def test_uneven_records_count_by_the_time_they_stand_for():
@@ -227,11 +226,6 @@ def test_records_at_equal_distances_count_equally():
     assert found.rms == pytest.approx(difference(values, reference).rms, rel=1e-12)
     assert found.relative_rms == pytest.approx(difference(values, reference).relative_rms, rel=1e-12)
     assert difference(values[:1], reference[:1], weights=time_weights(times[:1])).rms > 0.0
-
-
-def test_differences_of_unlike_signals_are_refused():
-    with pytest.raises(ValueError, match=r"shapes \(2,\) and \(3,\)"):
-        difference(np.zeros(2), np.zeros(3))
 
 
 # So wide that every step is accepted: rejected ones are made shorter by estimates near rounding.

@@ -196,12 +196,6 @@ def test_crank_at_rest_comes_to_rest(form):
 MID_STROKE = {"crank_angle": 0.5 * math.pi}
 
 
-@pytest.mark.parametrize("component", [CRANK, DRIVEN, FREE])
-def test_defaults_are_allowed(component):
-    p, x, u = component.parameters.vector(), component.state.vector(), component.inputs.vector()
-    assert component.parameter_faults(p) == component.start_faults(p, x, u) == []
-
-
 def slider_faults(form: float, start: dict[str, float], inputs: dict[str, float] | None = None) -> list[str]:
     p = thesis_parameters(0.05, 0.015, form=form)
     return CRANK.start_faults(p, STATE.vector(start), INPUTS.vector(inputs))
