@@ -15,8 +15,6 @@ from models.core.remedies import Command, Option, Set, find_actions, in_command_
 from orchestrator.errors import another, name_source, one_of
 from tribocosim.command_line.error_report import FAILED, MISTAKE, describe_error
 
-from .orchestrator.commands import called
-
 # Those that no call of the package lets through.
 INTERNAL = {
     "fmus.slave.FmuError",  # of an FMU's own process, which answers with a status
@@ -104,32 +102,3 @@ def test_exit_statuses_follow_from_the_family() -> None:
 def test_elements_of_an_array_stand_as_one_by_their_last_index():
     names = ["mass", "gap[1]", "gap[2]", "cams[1].lift", "cams[2].lift", "one[1]", "matrix[1,1]"]
     assert list(group_elements(names)) == ["mass", "gap[1..2]", "cams[1..2].lift", "one[1]", "matrix[1,1]"]
-
-
-@pytest.mark.parametrize(
-    ("line", "sentence"),
-    [
-        ("run", "run: scenario is missing; write"),
-        ("run valve-train --ovr", "run: no option --ovr; did you mean --out or --overwrite?"),
-        ("run valve-train --out", "run: option '--out' requires an argument; `tribocosim run --help`"),
-        ("run a --overwrite=3", "run: option '--overwrite' does not take a value"),
-        ("run a b", "run: got unexpected extra arguments (b)"),
-        ("fmu build --fmi", "fmu build: option '--fmi' requires an argument; `tribocosim fmu build --help`"),
-        ("fmu buld", "fmu: no such command 'buld'"),
-        ("fmu build --fmi x", "fmu build: --fmi"),
-        ("speeds a --workers 0", "speeds: --workers"),
-    ],
-)
-def test_a_mistake_in_options_is_one_sentence_with_status_2(line: str, sentence: str) -> None:
-    done = called(*line.split())
-    assert done.returncode == MISTAKE
-    assert (done.stdout, done.stderr.count("\n")) == ("", 1)
-    assert done.stderr.startswith(f"tribocosim: {sentence}")
-    assert "0" not in line or "'0'" in done.stderr or "0 is" in done.stderr
-    assert "run [OPTIONS] {scenario}" in done.stderr or "--help` lists" in done.stderr
-
-
-def test_a_fit_of_no_parameter_names_one_of_the_scenario() -> None:
-    done = called("calibrate", "leak-down", "none.csv")
-    assert done.returncode == MISTAKE
-    assert done.stderr == "tribocosim: --parameters: names none; e.g. --parameters weight.mass\n"

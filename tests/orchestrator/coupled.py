@@ -1,4 +1,4 @@
-"""Short coupled runs in process, and an observer that keeps everything in memory."""
+"""Short coupled runs in process, one participant by itself, and an observer that keeps everything."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -10,6 +10,7 @@ from orchestrator.engine.coupling import Coupling
 from orchestrator.engine.observer import Observer
 from orchestrator.engine.step import Step
 from orchestrator.participants.in_process import InProcessParticipant as in_process
+from orchestrator.participants.protocol import BoundVariables, Participant
 from orchestrator.run.simulation import simulate
 
 
@@ -107,3 +108,30 @@ def assert_growth_changes_at(limit, behaviour, system, open_participants):
         for unit in units.values():
             unit.close()
         assert (factor > 1.0) == (share > 1.0)
+
+
+class Alone:
+    """A participant, its input and what it shows; `start` is the input's value at first."""
+
+    def __init__(self, unit: Participant, name: str, outputs: Sequence[str], start: float) -> None:
+        self.unit = unit
+        self._inputs, self._outputs = np.zeros((2, 1)), np.zeros(len(outputs))
+        unit.connect(BoundVariables([name], self._inputs, list(outputs), self._outputs, np.zeros(0)))
+        self._inputs[0] = start
+        unit.initialise(0.0, 1.0)
+        unit.write()
+        unit.finish_initialisation()
+
+    def saved(self) -> bytes:
+        kept = self.unit.save()
+        try:
+            return self.unit.to_bytes(kept)
+        finally:
+            self.unit.release(kept)
+
+    def advance(self, time: float, step: float, value: float, rate: float = 0.0) -> list[float]:
+        self._inputs[:, 0] = value, rate
+        self.unit.write()
+        self.unit.advance(time, step)
+        self.unit.read()
+        return self._outputs.tolist()

@@ -115,9 +115,6 @@ def test_a_run_tells_of_pressure_leak_check_valve_and_seat():
         "and is at most 70 µm shorter; its check valve, open in 2.5 % of the turn, lets 47.2 µm in, most at "
         "cam 270.0 deg of revolution 2; does not pump up; the seat bears 310 N on the base circle"
     )
-
-
-def test_a_check_valve_that_never_opens_is_told():
     read = read_columns(adjuster__valve_flow=0.0 * TIME)
     (line,) = describe_adjusters(SYSTEM, list_merits(SYSTEM, {}, read), read)
     assert "; its check valve stays closed; does not pump up" in line

@@ -120,15 +120,6 @@ def test_the_speed_of_a_free_drive_is_that_of_its_start(tmp_path):
     assert find_settings(str(tmp_path / "free.toml"))["speed"] == pytest.approx(100.0 * math.pi)
 
 
-def test_it_says_of_which_follower_speed_and_timing_its_results_are():
-    describe = load("cam").describe
-    given = {"speed": "3000 rpm", "lobe_centre": "106 deg"}
-    assert describe(load("cam").complete(find_settings("roller-finger") | given)) == (
-        "finger roller follower of radius 9 mm, base circle radius 18 mm, speed 3000 r/min, "
-        "lobe_centre 106 deg, lobe_separation 108 deg (default)"
-    )
-
-
 @pytest.mark.parametrize(
     ("source", "component", "message"),
     [

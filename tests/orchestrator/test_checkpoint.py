@@ -22,8 +22,7 @@ from orchestrator.run.simulation import simulate
 from orchestrator.stepping import ControlledSteps, FixedSteps, ForwardSteps, StepControl
 from orchestrator.store.json_codec import from_text, to_text
 
-from .alone import Alone
-from .coupled import Recorder, Wrapper, build_participants
+from .coupled import Alone, Recorder, Wrapper, build_participants
 from .two_masses import two_masses
 
 STOP = 0.2
@@ -41,27 +40,22 @@ class Kept(Recorder):
         self.states.append(to_text(self._state()))
 
 
-def _controlled():
-    return ControlledSteps(1e-3, StepControl("predictor_corrector", relative=1e-5, absolute=1e-5))
-
-
-def _doubled():
-    return ControlledSteps(1e-3, StepControl("step_doubling", relative=1e-5, absolute=1e-5))
-
-
-def _forward():
-    return ForwardSteps(1e-3, StepControl("defect", relative=1e-4, absolute=1e-4))
+def _control(estimator, tolerance, kind=ControlledSteps):
+    return kind(1e-3, StepControl(estimator, relative=tolerance, absolute=tolerance))
 
 
 WAYS = {
-    "jacobi-forward": (Jacobi("quadratic"), _forward),
+    "jacobi-forward": (Jacobi("quadratic"), lambda: _control("defect", 1e-4, ForwardSteps)),
     "jacobi": (Jacobi("quadratic"), lambda: FixedSteps(3e-3)),
     "gauss_seidel": (GaussSeidel("linear"), lambda: FixedSteps(3e-3)),
     "gauss_seidel-hermite": (GaussSeidel("hermite"), lambda: FixedSteps(3e-3, event_tolerance=1e-9)),
-    "gauss_seidel-controlled": (GaussSeidel("hermite"), _doubled),
+    "gauss_seidel-controlled": (GaussSeidel("hermite"), lambda: _control("step_doubling", 1e-5)),
     "newton": (Newton(), lambda: FixedSteps(3e-3)),
     "iterated": (Iterated("linear"), lambda: FixedSteps(3e-3)),
-    "iterated-controlled": (Iterated("hermite", acceleration="quasi_newton"), _controlled),
+    "iterated-controlled": (
+        Iterated("hermite", acceleration="quasi_newton"),
+        lambda: _control("predictor_corrector", 1e-5),
+    ),
 }
 
 

@@ -27,7 +27,7 @@ from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.guard import RunawayGuard
 from tests.models.exact_oscillators import quarter_car, two_masses
 
-from ..third_party.public import public
+from ..third_party.runs import public
 from .coupled import Recorder, run_coupled
 
 PUBLISHED = "cosim-benchmarks/hydraulicManipulator_refM2.csv"

@@ -23,8 +23,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.store.json_codec import from_text
 
-from .alone import Alone
-from .coupled import Recorder, build_participants, run_coupled
+from .coupled import Alone, Recorder, build_participants, run_coupled
 from .test_checkpoint import Kept
 
 NODES, STEP, RADIUS = 101, 1e-5, 0.01

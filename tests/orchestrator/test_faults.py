@@ -2,7 +2,6 @@
 
 import dataclasses
 import itertools
-import json
 import math
 import re
 import tempfile
@@ -36,12 +35,23 @@ from orchestrator.scenario.system import build_system
 from orchestrator.stepping import ControlledSteps, StepControl
 from tests.models import exact_oscillators as solutions
 
-from .commands import SHORT, called
 from .coupled import Recorder, run_coupled
-from .faulty import Faulty, after, at_random, every, longer_than
-from .faulty_runs import CONTROLLED, STOP, TOLERANCE, controlled, faulty, missed, simulated, sound
+from .faulty import (
+    CONTROLLED,
+    STOP,
+    TOLERANCE,
+    Faulty,
+    after,
+    at_random,
+    controlled,
+    every,
+    faulty,
+    longer_than,
+    missed,
+    simulated,
+    sound,
+)
 from .small_fmus import small_fmu
-from .test_fmu_commands import write_tampered
 from .two_masses import two_masses
 
 JUMP, OFFSET = 0.5, 0.1
@@ -336,35 +346,6 @@ def test_a_clock_that_drifts_is_refused_by_our_fmus(tmp_path):
             simulate(system, {"flywheel": unit}, Jacobi("hold"), 1e-2, 1.0, [recorder])
     finally:
         unit.close()
-
-
-# The whole command.
-
-LIMITED = """
-def do_step(self, t, h, _real=camshaft.do_step):
-    return h < 0.3 * {step} and _real(self, t, h)
-camshaft.do_step = do_step
-"""
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("retries", [1, 2])
-def test_a_camshaft_that_needs_a_quarter_of_the_step_gets_it_with_two_retries(retries, tmp_path):
-    file = write_tampered(build("camshaft", tmp_path), tmp_path / "limited.fmu", LIMITED.format(step=5e-6))
-    others = [text for text in SHORT if "camshaft" not in text]
-    out = tmp_path / "out"
-    done = called(
-        "run", "valve-train", "--out", str(out), *others, "--no-figures", "--set=reference.enabled=false",
-        "--set=macro_step=5 us", f"--set=components.camshaft.participant={file}",
-        f"--set=components.camshaft.retries={retries}",
-    )  # fmt: skip
-    summary = json.loads((out / "summary.json").read_text())
-    assert done.returncode == (0 if retries == 2 else 3), summary["message"]
-    if retries == 1:
-        assert summary["message"].startswith(
-            "incomplete: camshaft: step from t = 0 s by 2.5e-06 s returned Discard"
-        )
-        assert "raise components.camshaft.retries" in summary["message"]
 
 
 def test_an_error_is_quoted_without_what_was_said_before_it():

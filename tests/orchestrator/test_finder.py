@@ -2,7 +2,6 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from orchestrator.errors import MistakeError
@@ -33,15 +32,6 @@ def test_a_cycle_is_that_of_the_scenario_with_these_values(dry):
         assert found[name] == pytest.approx(expected[name], rel=1e-4), name
     assert found["contact.least_load"] > dry.measure({}, SPEED)["contact.least_load"] + 5.0
     assert found["periods"] < expected["periods"]
-
-
-def test_a_cycle_depends_on_nothing_that_was_found_before(dry):
-    first = dry.find(STIFFER, SPEED)
-    dry.find({"valve_spring.valve_mass": 0.2}, SPEED)
-    dry.find({}, 1.1 * SPEED)
-    again, fresh = dry.find(STIFFER, SPEED), CycleFinder(dry.subject).find(STIFFER, SPEED)
-    for other in (again, fresh):
-        assert np.array_equal(first.outputs, other.outputs, equal_nan=True)
 
 
 def test_a_parameter_that_there_is_none_of_is_named(dry):

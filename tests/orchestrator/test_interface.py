@@ -17,7 +17,7 @@ from orchestrator.participants.in_process import InProcessParticipant as in_proc
 from orchestrator.stepping import ControlledSteps, StepControl
 from orchestrator.stepping.locator import find_dip
 
-from .faulty_runs import CONTROLLED, TOLERANCE, faulty, simulated
+from .faulty import CONTROLLED, TOLERANCE, faulty, simulated
 from .test_events import bouncing, controlled, hermite
 from .two_masses import two_masses
 

@@ -317,13 +317,6 @@ def test_runout_of_the_base_circle_is_no_lift(tmp_path, phase):
     assert 110.0 < math.degrees(end - begin) < 130.0
 
 
-def test_a_run_says_what_it_read(tmp_path):
-    write(tmp_path / "cam.csv", "Kurbelwinkel [Grad]; Hub [mm]; x", "{0:g}; {1:.4f}; 1")
-    said = "\n".join(list_warnings(load(write_scenario(tmp_path))))
-    assert "components.camshaft: column 1, 'Kurbelwinkel [Grad]': crank angles" in said
-    assert "column 3, 'x': is ignored" in said
-
-
 def test_a_run_repeats_beside_its_verdict_what_is_doubted_of_its_table(tmp_path, capsys):
     write(tmp_path / "cam.csv", lifts=lift(ANGLES) - 0.1 * (np.abs(ANGLES - 150.0) < 0.1))
     notices = list_warnings(load(write_scenario(tmp_path)))

@@ -20,7 +20,6 @@ from models.core.difference import difference, time_weights
 from models.core.system import System
 from models.monolithic import equilibrium, solve
 from models.monolithic.cycle import find_cycle
-from orchestrator.errors import UnstableCouplingError
 from orchestrator.masters import GaussSeidel, Iterated, Jacobi
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import list_shipped, load
@@ -188,11 +187,6 @@ def test_order_of_convergence_of_the_contact_load(valve_train, reference, master
 
 
 LARGE = 4e-5  # 1.7 rad of the 6.7 kHz contact mode per step
-
-
-def test_the_explicit_master_is_named_unstable_at_large_steps(valve_train):
-    with pytest.raises(UnstableCouplingError, match=r"contact\.load"):
-        run_coupled(valve_train, GaussSeidel("linear"), LARGE, DURATION)
 
 
 def test_the_iterated_master_converges_at_the_step_where_the_explicit_one_is_unstable(

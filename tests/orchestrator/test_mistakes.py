@@ -9,6 +9,16 @@ from .commands import called, said
 FOLDER = "none: there is no such folder; give the output folder"
 # By command; OUT is a folder that is not there.
 MISTAKES = {
+    "run": "run [OPTIONS] {scenario}",
+    "run valve-train --ovr": "tribocosim: run: no option --ovr; did you mean --out or --overwrite?",
+    "run valve-train --out": "run: option '--out' requires an argument; `tribocosim run --help` lists",
+    "run a --overwrite=3": "run: option '--overwrite' does not take a value",
+    "run a b": "run: got unexpected extra arguments (b)",
+    "fmu build --fmi": "fmu build: option '--fmi' requires an argument; `tribocosim fmu build --help` lists",
+    "fmu buld": "fmu: no such command 'buld'",
+    "fmu build --fmi x": "fmu build: --fmi",
+    "speeds a --workers 0": "speeds: --workers",
+    "calibrate leak-down none.csv": "--parameters: names none; e.g. --parameters weight.mass",
     "run none.toml": "? tribocosim scenarios lists those shipped",
     "run .": "is a folder; give the path of a .toml file, or a shipped scenario: tribocosim scenarios lists",
     "run valve-train --master jacob --out OUT": "did you mean jacobi?",

@@ -5,7 +5,6 @@ their responses. Scenarios do not meet those of their states that are no variabl
 """
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,12 +33,12 @@ from orchestrator.run.plan import ParticipantPlan
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
 from orchestrator.scenario.checks import list_required_variables
 from orchestrator.scenario.schema import describe_component
-from orchestrator.scenario.system import Builder, build_system, resolve_start
+from orchestrator.scenario.system import build_system, resolve_start
 from orchestrator.stepping import ControlledSteps, StepControl
 from tests.models.fluid_layer import fluid_layer
 
-from .alone import Alone
-from .coupled import run_coupled
+from .coupled import Alone, run_coupled
+from .studies import refuse_build
 
 PLATE = sprung_mass()
 LINES = [("plate.velocity", "layer.velocity"), ("layer.force", "plate.force")]
@@ -196,13 +195,6 @@ def scenario(layer: str, layer_start: dict[str, float] | None = None, **changes:
     return build_scenario(tables | changes)
 
 
-def never(name: str, structure: object, kind: str) -> Path:
-    raise AssertionError(f"{name} is in process")
-
-
-BUILD: Builder = never
-
-
 @pytest.mark.long
 def test_the_course_of_a_coupled_system_is_that_of_its_equations():
     """Outputs and rates. The layer's steps of 10 us are of second order: 5e-10 of its force."""
@@ -241,7 +233,7 @@ def test_a_reference_that_cannot_be_solved_is_refused_before_anything_is_written
     with pytest.raises(
         ModelError, match=r"layer: fluid_layer with sheets = 5 .* \(reference\.enabled = false\)"
     ):
-        run(scenario("stepped_layer"), out, BUILD, Reporter(), figures=False)
+        run(scenario("stepped_layer"), out, refuse_build, Reporter(), figures=False)
     assert not out.exists()
 
 

@@ -28,6 +28,7 @@ from tribocosim.cached_fmus import build_fmu
 
 from .commands import HERE, ROOT
 from .killed import EVERY
+from .studies import read_files
 from .whole_runs import NO_REFERENCE, SHORT, assert_same_run, quiet, run_whole
 
 UNSTABLE = ["master.name=jacobi", "macro_step=100 us", "stop_time=50 ms", *HERE]
@@ -134,17 +135,13 @@ def killed(killed_run, tmp_path):
     return Path(shutil.copytree(killed_run, tmp_path / "out"))
 
 
-def _content(folder: Path) -> dict[Path, bytes]:
-    return {path: path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
-
-
 def _refused(out: Path, words: str) -> None:
     """`resume` says so, with the remedy, and changes nothing."""
-    before = _content(out)
+    before = read_files(out)
     with pytest.raises(CheckpointError, match=words) as refused:
         resume(out, build_fmu, quiet(), figures=False)
     assert refused.value.remedies[-1] == start_over(out)
-    assert _content(out) == before
+    assert read_files(out) == before
 
 
 def test_what_came_after_the_checkpoint_is_forgotten(killed, whole):
@@ -233,11 +230,11 @@ def test_what_is_spoilt_or_lost_is_noticed_and_may_be_put_back(killed, whole):
 
 
 def test_a_run_in_a_folder_with_an_unfinished_one_says_how_to_go_on(killed, whole):
-    before = _content(killed)
+    before = read_files(killed)
     with pytest.raises(OutputFolderError, match="was not finished") as refused:
         run(load("valve-train", [*SHORT, EVERY]), killed, build_fmu, quiet())
     assert Command("resume", (killed,)) in find_actions(refused.value)
-    assert _content(killed) == before
+    assert read_files(killed) == before
     with pytest.raises(OutputFolderError) as unfinished:
         open_result(killed)
     assert find_actions(unfinished.value) == (Command("resume", (killed,)),)
@@ -257,13 +254,13 @@ def test_two_processes_do_not_work_on_one_run(killed):
     try:
         assert other.stdout
         assert other.stdout.readline() == "held\n"
-        before = _content(killed)
+        before = read_files(killed)
         for overwrite in (False, True):
             with pytest.raises(MistakeError):
                 run(load("valve-train", SHORT), killed, build_fmu, quiet(), overwrite=overwrite)
         with pytest.raises(MistakeError, match="another process is running it"):
             resume(killed, build_fmu, quiet(), figures=False)
-        assert _content(killed) == before
+        assert read_files(killed) == before
     finally:
         other.communicate("")
 
@@ -279,10 +276,10 @@ def test_a_rebuilt_fmu_is_refused(tmp_path):
 
 
 def test_what_is_no_unfinished_run_is_told(whole, tmp_path):
-    before = _content(whole)
+    before = read_files(whole)
     done = resume(whole, build_fmu, quiet())
     assert (done.complete, done.exit_status) == (True, 0)
-    assert _content(whole) == before
+    assert read_files(whole) == before
     with pytest.raises(OutputFolderError, match="holds no run"):
         resume(tmp_path, build_fmu, quiet())
     shutil.copy(whole / "scenario.toml", tmp_path)

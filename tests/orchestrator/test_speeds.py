@@ -16,24 +16,12 @@ from models.core.system import ModelError
 from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
-from orchestrator.plots.speeds import draw_summary, find_orders
+from orchestrator.plots.speeds import find_orders
 from orchestrator.scenario.files import load, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
-from orchestrator.study.speeds.separation import (
-    CLOSE,
-    OTHER,
-    RPM,
-    USUAL,
-    Separation,
-    bisect_separation,
-    choose_film,
-    find_first,
-    find_second,
-    find_separation,
-)
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
 from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table
 from tribocosim.reporting import SilentReporter
@@ -163,9 +151,10 @@ def test_a_sweep_that_keeps_contact_says_where_to_go_on(loads, end):
     and 30 % more where the load does not fall."""
     numbers = {"a.least_load": loads, "b.least_load": (500.0, np.nan), "a.lost": (0.0, 0.0)}
     table = xarray.Dataset(
-        {n: ("speed", list(v)) for n, v in numbers.items()}, {"speed": [1e3 / RPM, 2e3 / RPM]}
+        {n: ("speed", list(v)) for n, v in numbers.items()},
+        {"speed": [1e3 / separation.RPM, 2e3 / separation.RPM]},
     )
-    said = find_separation(None, table, None)
+    said = separation.find_separation(None, table, None)
     assert said.speed is None
     assert said.text.endswith(f"go on from 2000 to {end} r/min")
 
@@ -224,12 +213,6 @@ def test_speeds_of_a_comparison_that_make_no_sense(texts, said):
         parse_choice(*texts, lost=False)
 
 
-def test_a_curve_that_only_the_second_design_has_is_named():
-    second = make_sweep([100.0, 200.0], 1e9).rename({"contact.least_load": "pad.least_load"})
-    drawn = draw_summary({"first": make_sweep([100.0, 200.0], 1e9), "second": second}).axes[0]
-    assert drawn.get_legend_handles_labels()[1] == ["contact: least load", "pad: least load"]
-
-
 def test_the_worst_has_its_speed_and_angle():
     """Of loads and of the area under the lift it is the least."""
     table = make_sweep([100.0, 200.0], 1e9).assign({"valve.lift_area": ("speed", [1e-3, 2e-3])})
@@ -239,7 +222,7 @@ def test_the_worst_has_its_speed_and_angle():
 
 
 def test_motions_without_a_cycle_are_said_with_their_distance():
-    speeds = np.array([100.0, 200.0, 300.0]) / RPM
+    speeds = np.array([100.0, 200.0, 300.0]) / separation.RPM
     numbers = {"change": ("speed", [1e-6, 2e-3, 4e-2]), "periods": ("speed", [4.0, 20.0, 25.0])}
     (sentence,) = describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}))
     assert sentence.startswith("no steady cycle at 2 speeds from 200 to 300 r/min; the worst at 300 r/min")
@@ -289,22 +272,24 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkey
     speeds without a steady cycle."""
     tables = read_changed("valve-train", [])
     limits = {"dowson_toyoda": 3306.0, "dry": 1234.0, "moes_venner": 9999.0}
-    speeds = np.linspace(1000.0, 3600.0, 27) / RPM
+    speeds = np.linspace(1000.0, 3600.0, 27) / separation.RPM
 
     def find_cycle(subject, speed):
         film = subject.tables["components"]["contact"]["parameters"]["film_model"]
-        return SimpleNamespace(motion=(film, speed), steady=film != OTHER or RPM * speed < 3450.0)
+        return SimpleNamespace(
+            motion=(film, speed), steady=film != separation.OTHER or separation.RPM * speed < 3450.0
+        )
 
     def is_lost(motion, number):
         film, speed = motion
-        return RPM * speed >= limits[film] + 100.0 * (number == "lost_on_nose")
+        return separation.RPM * speed >= limits[film] + 100.0 * (number == "lost_on_nose")
 
     monkeypatch.setattr(SpeedSubject, "find_cycle_at", find_cycle)
     monkeypatch.setattr(separation, "to_motion", lambda cycle, flywheel: cycle.motion)
     monkeypatch.setattr(separation, "is_separated", is_lost)
-    subject, first = SpeedSubject(tables, "flywheel"), Separation(3241.7, 3341.7, "")
+    subject, first = SpeedSubject(tables, "flywheel"), separation.Separation(3241.7, 3341.7, "")
     for film, limit in limits.items():
-        found = find_second(subject, speeds, first, film, SilentReporter())
+        found = separation.find_second(subject, speeds, first, film, SilentReporter())
         if limit > 3600.0:
             assert (found.speed, found.text) == (
                 None,
@@ -314,8 +299,8 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkey
         else:
             assert limit <= found.speed <= limit + 0.11
             assert limit + 100.0 <= found.nose_speed <= limit + 100.11
-    usual = subject, speeds, Separation(3241.7, None, ""), "dowson_toyoda", SilentReporter()
-    assert find_second(*usual).text == (
+    usual = subject, speeds, separation.Separation(3241.7, None, ""), "dowson_toyoda", SilentReporter()
+    assert separation.find_second(*usual).text == (
         "with film_model = dowson_toyoda contact is lost from 3306.1 r/min (+2.0 %)"
     )
 
@@ -323,7 +308,7 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkey
         raise ModelError("no rest", "correct the parameters")
 
     monkeypatch.setattr(SpeedSubject, "find_cycle_at", fail)
-    assert find_second(*usual).text.endswith("was found: no rest; choose another --second-film")
+    assert separation.find_second(*usual).text.endswith("was found: no rest; choose another --second-film")
 
 
 @pytest.mark.long
@@ -331,8 +316,10 @@ def test_the_second_formula_gives_the_speed_of_its_own_sweep(tmp_path):
     """To the closeness of both searches."""
     ends, where = ("3200 rpm", "3400 rpm", 2), {"workers": 1}
     both = tribocosim.speeds("valve-train", *ends, **where)
-    changed = tribocosim.load("valve-train").with_({"components.contact.parameters.film_model": USUAL})
-    alone = tribocosim.speeds(changed, *ends, **where, second_film=USUAL)
+    changed = tribocosim.load("valve-train").with_(
+        {"components.contact.parameters.film_model": separation.USUAL}
+    )
+    alone = tribocosim.speeds(changed, *ends, **where, second_film=separation.USUAL)
     assert both.attrs["second_separation_speed"] == pytest.approx(alone.attrs["separation_speed"], abs=0.2)
     assert both.attrs["separation_speed"] < both.attrs["second_separation_speed"]
     assert alone.attrs["second_separation"] == ""
@@ -340,20 +327,20 @@ def test_the_second_formula_gives_the_speed_of_its_own_sweep(tmp_path):
 
 def test_the_usual_second_formula_is_another_one():
     """None where the contacts have no other, or no formula."""
-    for film, second in (("kushwaha", USUAL), (USUAL, OTHER)):
+    for film, second in (("kushwaha", separation.USUAL), (separation.USUAL, separation.OTHER)):
         changed = read_changed("valve-train", [f"components.contact.parameters.film_model={film}"])
-        assert choose_film(SpeedSubject(changed, "flywheel"), None) == second
-        assert choose_film(SpeedSubject(changed, "flywheel"), film) is None
+        assert separation.choose_film(SpeedSubject(changed, "flywheel"), None) == second
+        assert separation.choose_film(SpeedSubject(changed, "flywheel"), film) is None
     solved = read_changed("valve-train", ["components.contact.component=ehl_line_contact"])
-    assert choose_film(SpeedSubject(solved, "flywheel"), None) is None
+    assert separation.choose_film(SpeedSubject(solved, "flywheel"), None) is None
     bearings = read_changed("bucket-friction")  # whose films have other names
-    assert choose_film(SpeedSubject(bearings, "flywheel"), None) == OTHER
+    assert separation.choose_film(SpeedSubject(bearings, "flywheel"), None) == separation.OTHER
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=12), st.data())
 def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost, data):
     near = data.draw(st.integers(0, len(lost) - 1))
-    first = find_first(lost.__getitem__, near, len(lost))
+    first = separation.find_first(lost.__getitem__, near, len(lost))
     if first is None:
         assert not any(lost[near:])
     else:
@@ -365,9 +352,9 @@ def test_the_first_loss_is_at_the_end_of_the_nearest_range(lost, data):
 
 def test_a_train_without_contacts_has_no_separation():
     table = xarray.Dataset({"shaft.twist": ("speed", [0.1, 0.2])}, {"speed": [100.0, 200.0]})
-    assert find_separation(SpeedSubject({}, "flywheel"), table, SilentReporter()) is None
+    assert separation.find_separation(SpeedSubject({}, "flywheel"), table, SilentReporter()) is None
 
 
 def test_bisection_ends_within_a_tenth_of_a_revolution():
-    found = bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
-    assert 0.0 <= found - 123.4 <= CLOSE
+    found = separation.bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
+    assert 0.0 <= found - 123.4 <= separation.CLOSE

@@ -100,14 +100,8 @@ def test_indices_of_ishigamis_function(record):
     ):
         assert np.all((low <= exact) & (exact <= high)), (low, exact, high)
         # Half of the interval's width, of 1024 rows.
-        record(
-            "Train",
-            "Sobol' indices of Ishigami's function",
-            list(value),
-            list(exact),
-            "closed form",
-            tolerance=0.03,
-        )
+        quantity = "Sobol' indices of Ishigami's function"
+        record("Train", quantity, list(value), list(exact), "closed form", tolerance=0.03)
 
 
 def test_correlated_parameters_are_one_factor_with_their_correlation():

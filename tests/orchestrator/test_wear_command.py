@@ -22,7 +22,7 @@ from orchestrator.scenario import build_scenario
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.study.wear.history import Age, History, follow
-from orchestrator.study.wear.report import Interval, describe_place, remark, to_text
+from orchestrator.study.wear.report import Interval, remark, to_text
 from orchestrator.study.wear.run import parse_asked, parse_interval
 from orchestrator.study.wear.train import CAM, FOLLOWER, LOSS, Rubbed, WearingTrain, open_train, put_points
 from tribocosim.reporting import SilentReporter
@@ -253,12 +253,6 @@ def test_a_coefficient_may_be_one_number_or_have_a_unit() -> None:
     assert parse_interval("1e-17") == Interval(1e-17, 1e-17)
     found = parse_interval("1e-9 mm3/(N*m), 1e-7 mm3/(N*m)")
     assert (found.low, found.high) == pytest.approx((1e-18, 1e-16))
-
-
-def test_where_on_the_cam() -> None:
-    assert describe_place(math.radians(181.0)) == "at the nose"
-    assert describe_place(math.radians(155.6)) == "24 deg before the nose"
-    assert describe_place(math.radians(200.0)) == "20 deg after the nose"
 
 
 @pytest.mark.long

@@ -26,12 +26,10 @@ from tests.fmus.names import mark_long
 from tests.models.exact_oscillators import two_masses
 from tests.orchestrator.commands import called
 from tests.orchestrator.coupled import Recorder
-from tests.third_party.public import public
-from tests.third_party.runs import find_texts, never, recorded
+from tests.third_party.runs import find_texts, never, public, recorded
 from tribocosim.cached_fmus import build_fmu
 
-from .packages import binding, component, connection, package
-from .schemas import task_schema
+from .packages import binding, component, connection, package, task_schema
 
 __all__ = ["isolated"]
 

@@ -20,7 +20,7 @@ from tests.third_party.runs import ran
 from tests.third_party.runs import scenario as foreign_scenario
 from tribocosim.cached_fmus import build_fmu
 
-from .schemas import assert_valid
+from .packages import assert_valid
 
 
 def pack(files: dict[str, bytes]) -> bytes:

@@ -10,8 +10,7 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp.tables import look_up, to_line
 from tests.archives import repack, replace_text
-from tests.third_party.c_fmus import fmu
-from tests.third_party.described import describe2, real2
+from tests.third_party.c_fmus import describe2, fmu, real2
 
 from .packages import (
     UNITS,

@@ -7,12 +7,10 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.ssp import export
 from tests.archives import replace_text
 from tests.third_party.c_fmus import fmu
-from tests.third_party.public import public
-from tests.third_party.runs import never, ran
+from tests.third_party.runs import never, public, ran
 from tests.third_party.runs import scenario as foreign_scenario
 
-from .packages import component, connection, package
-from .schemas import assert_valid
+from .packages import assert_valid, component, connection, package
 
 OURS = 'type="tribocosim"', 'type="of another tool"'
 

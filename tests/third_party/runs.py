@@ -1,13 +1,16 @@
-"""Runs of scenarios with third-party FMUs."""
+"""Runs of scenarios with third-party FMUs, public ones too, which are not in the repository; two masses."""
 
 import csv
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
+from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.participants.protocol import Participant
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import run
@@ -16,6 +19,9 @@ from orchestrator.run.simulation import simulate
 from orchestrator.run.summary import Summary
 from orchestrator.scenario import Scenario, build_scenario
 from orchestrator.scenario.system import resolve
+from tests.models.exact_oscillators import two_masses
+
+from .c_fmus import fmu
 
 
 def scenario(components: Mapping[str, Mapping[str, Any]], **changes: Any) -> Scenario:
@@ -50,6 +56,13 @@ def ran(one: Scenario, out: Path) -> tuple[Summary, dict[str, np.ndarray]]:
     return summary, recorded(out)
 
 
+def completed(one: Scenario, out: Path) -> dict[str, np.ndarray]:
+    """The recorded columns of a run that must come to its end."""
+    summary, found = ran(one, out)
+    assert summary.complete, summary.message
+    return found
+
+
 def recorded(out: Path) -> dict[str, np.ndarray]:
     """The columns of a run's coupled.csv."""
     with (out / "coupled.csv").open(newline="", encoding="utf-8") as file:
@@ -73,3 +86,39 @@ def opened(one: Scenario) -> Iterator[tuple[Plan, dict[str, Participant]]]:
     plan = make_plan(resolve(one), never, Reporter(), figures=False)
     with open_participants(plan.system, plan.participants) as units:
         yield plan, units
+
+
+VARIABLE = "TRIBOCOSIM_THIRD_PARTY"
+BESIDE = Path(__file__).parents[2].parent / "shared" / "third_party"
+
+
+def public(name: str) -> Path:
+    """The file of that name in the folder that the environment variable names, or beside the repository; the
+    test is skipped where there is none."""
+    for folder in (os.environ.get(VARIABLE), BESIDE):
+        if folder and (path := Path(folder, name)).is_file():
+            return path
+    pytest.skip(f"needs {name}: set {VARIABLE} to a folder that has it")
+
+
+LINES = [
+    "first.force -> second.force",
+    "second.position -> first.other_position",
+    "second.velocity -> first.other_velocity",
+]
+
+
+def masses(second: str, folder: Path, component: str | None = None, **changes: Any) -> Scenario:
+    """The second one is that FMU, in the place of our `component` if one is given; the first one starts at
+    1 m."""
+    tables = {
+        "first": {"component": "coupled_mass", "participant": "in-process", "start": {"position": 1.0}},
+        "second": {"participant": fmu(second, 2, folder), "component": component},
+    }
+    return scenario(tables, **{"connections": LINES} | changes)
+
+
+def exact_position(times: np.ndarray) -> np.ndarray:
+    """That of the first one by the matrix exponential."""
+    coupled, sprung = CoupledMassParameters(), SprungMassParameters(mass=1.0, stiffness=10.0, damping=0.5)
+    return two_masses(times, coupled, sprung, np.array([1.0, 0.0, 0.0, 0.0]))[:, 0]

@@ -10,8 +10,7 @@ from orchestrator.scenario import Line, ScenarioError
 from orchestrator.scenario.connection import parse_line
 from orchestrator.scenario.system import assemble
 
-from .c_fmus import fmu
-from .described import describe2, describe3, real2
+from .c_fmus import describe2, describe3, fmu, real2
 from .models import MODELS, V
 from .runs import ran, scenario
 

@@ -18,11 +18,10 @@ from orchestrator.run.pipeline import run
 from orchestrator.scenario import Scenario, ScenarioError
 from orchestrator.scenario.system import build_system, resolve
 
-from ..orchestrator.alone import Alone
+from ..orchestrator.coupled import Alone
 from .c_fmus import fmu
-from .masses import masses as coupled_masses
-from .public import public
-from .runs import never, scenario
+from .runs import masses as coupled_masses
+from .runs import never, public, scenario
 
 
 def masses(second: str, folder: Path, **changes: Any) -> Scenario:

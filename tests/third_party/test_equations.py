@@ -29,10 +29,8 @@ from orchestrator.scenario.files import list_shipped, read_contents
 from tests.models.exact_oscillators import quarter_car
 
 from ..fmus.names import mark_long
-from .described import describe2, real2
-from .masses import LINES
-from .public import public
-from .runs import ran, scenario
+from .c_fmus import describe2, real2
+from .runs import LINES, public, ran, scenario
 
 STEPS = [
     "wheel.position -> chassis.wheel_position",

@@ -17,8 +17,7 @@ from orchestrator.scenario.system import build_system
 
 from ..fmus.names import mark_long
 from .clocked_fmus import DESCRIPTION, intervals, sampler
-from .public import public
-from .runs import opened, ran, scenario
+from .runs import completed, opened, public, ran, scenario
 
 MASTERS: dict[str, dict[str, Any]] = {
     "jacobi": {"master": {"name": "jacobi"}},
@@ -40,8 +39,7 @@ def test_periodic_and_countdown_clocks_tick_at_their_times(process, macro_step, 
     """Also where they lie inside macro steps: the FMU refuses a tick at another time, and a step beyond its
     time event. Every second tick is followed by an alarm after 0.03 s."""
     table = {"participant": sampler(tmp_path), "process": process, "inputs": {"u": 2.0}}
-    summary, found = ran(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
     ticks = list_ticks(found["time"])
     np.testing.assert_array_equal(found["one.ticks"], ticks)
     np.testing.assert_allclose(found["one.y"], 0.2 * ticks, rtol=1e-12)
@@ -73,8 +71,7 @@ GIVEN = {"fixed": 0.02 + 0.07 * np.arange(15), "tunable": 0.25 * np.arange(5)}
 def test_clocks_of_every_interval_tick_at_their_times(macro_step, process, given, tmp_path):
     """The number of ticks and the sum of their times, at the end of every step."""
     table = {"participant": intervals(tmp_path), "process": process, "parameters": given}
-    summary, found = ran(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}, macro_step=macro_step), tmp_path / "out")
     due = {**TICKS, **{name: GIVEN[name] for name in given}}
     for name, times in due.items():
         ticked = [times[times <= t + 1e-9] for t in found["time"]]
@@ -104,8 +101,7 @@ def test_a_countdown_that_a_discrete_input_starts_ticks_at_its_time(tmp_path):
         {"one": {"participant": path}, "two": {"participant": path}},
         connections=["one.ticks -> two.gain"], macro_step=0.04, stop_time=0.5, master={"name": "jacobi"},
     )  # fmt: skip
-    summary, found = ran(one, tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(one, tmp_path / "out")
     times, alarms = found["time"], found["two.alarms"]
     rises = times[np.flatnonzero(np.diff(alarms) > 0) + 1]
     np.testing.assert_allclose(rises, [0.13, 0.33, 0.43], atol=1e-9)
@@ -124,8 +120,7 @@ def test_a_clock_ticks_another_fmu_at_the_same_instant(master, process, tmp_path
     }
     lines = ["one.y -> two.gain", "one.fired -> two.poke", "one.ticks -> two.u"]
     one = scenario(tables, connections=lines, macro_step=0.04, **MASTERS[master])
-    summary, found = ran(one, tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(one, tmp_path / "out")
     ticks = list_ticks(found["time"])
     np.testing.assert_array_equal(found["two.ticks"], ticks)
     np.testing.assert_array_equal(found["two.pokes"], np.floor(ticks / 2.0))
@@ -213,7 +208,6 @@ def test_clocks_that_nobody_would_tick_are_refused(tmp_path):
 def test_an_event_that_stays_due_does_not_stop_the_run(tmp_path):
     """Of an FMU whose next event is at the present for ever."""
     table = {"participant": sampler(tmp_path), "inputs": {"u": 2.0, "gain": -1.0}}
-    summary, found = ran(scenario({"one": table}, macro_step=0.04), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}, macro_step=0.04), tmp_path / "out")
     np.testing.assert_array_equal(found["one.ticks"], list_ticks(found["time"]))
     np.testing.assert_allclose(found["one.scaled"], -found["one.y"], rtol=1e-15)

@@ -20,8 +20,7 @@ from orchestrator.scenario.warnings import list_warnings
 from tests.fmus.names import mark_long
 
 from .c_fmus import fmu
-from .masses import exact_position, masses
-from .runs import CASES, ran, recorded, scenario
+from .runs import CASES, exact_position, masses, ran, recorded, scenario
 
 HELD = Port("second", "force")
 # Iterations as exact as their numbers: what is left is the error of the step.

@@ -14,6 +14,7 @@ from orchestrator.scenario import Scenario
 from orchestrator.store.output_folder import find_run_state
 
 from ..archives import repack
+from ..orchestrator.studies import read_files
 from .c_fmus import fmu
 from .runs import never, scenario
 
@@ -43,13 +44,9 @@ def again(one: Scenario, out: Path) -> Summary:
     return run(one, out, never, Reporter(), overwrite=True, figures=False)
 
 
-def files(folder: Path) -> dict[str, bytes]:
-    return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-
-
 def test_a_run_that_does_not_begin_leaves_it(out, tmp_path):
     """Of a library that crashes before the first values, and of a scenario that is refused."""
-    before = files(out)
+    before = read_files(out)
     with pytest.raises(
         MistakeError, match="its process ended by SIGSEGV in the reading of outputs"
     ) as refused:
@@ -58,12 +55,12 @@ def test_a_run_that_does_not_begin_leaves_it(out, tmp_path):
     rigid = {"participant": fmu("rigid", 2, tmp_path)}
     with pytest.raises(MistakeError, match="canGetAndSetFMUstate"):
         again(scenario({"one": rigid}, master={"name": "iterated"}), out)
-    assert files(out) == before
+    assert read_files(out) == before
 
 
 def test_one_that_is_stopped_before_the_first_values_leaves_it(out, tmp_path, monkeypatch, capsys):
     """No result of it is told of, since there is none; the status is that of a stopped run."""
-    before = files(out)
+    before = read_files(out)
     capsys.readouterr()
 
     def stopped(*arguments, **options):
@@ -74,12 +71,12 @@ def test_one_that_is_stopped_before_the_first_values_leaves_it(out, tmp_path, mo
     assert summary.exit_status == 130
     assert summary.message.endswith(f"; the run did not begin, and what was in {out} before is kept")
     assert "result" not in capsys.readouterr().out
-    assert files(out) == before
+    assert read_files(out) == before
 
 
 def test_a_library_that_cannot_be_loaded_leaves_it(out, tmp_path, monkeypatch):
     """In this process too: fmpy stays in the folder of a library that it could not load."""
-    before = files(out)
+    before = read_files(out)
     monkeypatch.chdir(tmp_path)
 
     def damage(name, content):
@@ -89,14 +86,14 @@ def test_a_library_that_cannot_be_loaded_leaves_it(out, tmp_path, monkeypatch):
     with pytest.raises(MistakeError, match="load shared library"):
         again(of(other, "shared"), Path("out"))
     assert Path.cwd() == tmp_path
-    assert files(out) == before
+    assert read_files(out) == before
 
 
 def test_a_run_that_fails_later_replaces_it(out, tmp_path):
-    before = files(out)
+    before = read_files(out)
     summary = again(of(fmu("erring", 2, tmp_path)), out)
     assert summary.exit_status == 3
-    after = files(out)
+    after = read_files(out)
     assert set(after) == {*before} - {"figures/one.png"}
     assert after["result.nc"] != before["result.nc"]
     assert after["notes.txt"] == b"mine"
@@ -105,20 +102,20 @@ def test_a_run_that_fails_later_replaces_it(out, tmp_path):
 def test_an_unfinished_run_stays_too(out, tmp_path):
     find_run_state(out).mkdir()
     (find_run_state(out) / "coupled.journal").write_bytes(b"rows")
-    before = files(out)
+    before = read_files(out)
     with pytest.raises(MistakeError):
         again(of(fmu("blind", 2, tmp_path)), out)
-    assert files(out).keys() - before.keys() <= {"unfinished/lock"}
-    assert files(out) | before == files(out)
+    assert read_files(out).keys() - before.keys() <= {"unfinished/lock"}
+    assert read_files(out) | before == read_files(out)
 
 
 def test_what_a_killed_process_had_put_aside_is_what_stays(out, tmp_path):
     """It was killed before its run began."""
-    before = files(out)
+    before = read_files(out)
     for name in ("summary.json", "result.nc", "coupled.csv", "scenario.toml"):
         (out / "replaced").mkdir(exist_ok=True)
         (out / name).rename(out / "replaced" / name)
     (out / "summary.json").write_text("{}")
     with pytest.raises(MistakeError):
         again(of(fmu("blind", 2, tmp_path)), out)
-    assert files(out) == before
+    assert read_files(out) == before

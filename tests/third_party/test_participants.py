@@ -17,7 +17,7 @@ from orchestrator.participants.third_party import read_component
 from orchestrator.store.result_file import open_result
 
 from .c_fmus import fmu, library
-from .runs import CASES, ran, scenario
+from .runs import CASES, completed, ran, scenario
 
 VERSIONS, PROCESSES = (2, 3), ("shared", "own")
 EPSILON = 2.0**-52
@@ -55,9 +55,7 @@ def coupled(version: int, process: str, tmp_path: Path, **changes: Any) -> dict[
     tables = {name: {"participant": path, "process": process} for name, path in files.items()}
     out = tmp_path / f"{process}{len(list(tmp_path.iterdir()))}"
     lines = ["ball.body.v * 1 -> vanderpol.force"]
-    summary, found = ran(scenario(tables, connections=lines, **changes), out)
-    assert summary.complete, summary.message
-    return found
+    return completed(scenario(tables, connections=lines, **changes), out)
 
 
 MASTERS: dict[str, dict[str, Any]] = {
@@ -97,8 +95,7 @@ def test_outputs_that_are_right_after_initialisation_are_exchanged(version, tmp_
         {"name": "iterated", "extrapolation": "hermite"},
     ):
         one = scenario(tables, connections=["late.x -> through.real in"], master=master, stop_time=0.02)
-        summary, found = ran(one, tmp_path / master["name"])
-        assert summary.complete
+        found = completed(one, tmp_path / master["name"])
         assert found["late.x"].tolist() == [0.25] * 3
         assert found["through.real out"].tolist() == [2.25] * 3
 
@@ -198,8 +195,7 @@ def test_variables_have_any_names(tmp_path):
     """In both result files. NetCDF has no slash in a name; a division slash stands for it."""
     odd = 'a/b "c", [µ] <->'
     table = {"participant": fmu("named", 3, tmp_path), "start": {odd: 3.0}}
-    summary, found = ran(scenario({"one": table}), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}), tmp_path / "out")
     assert set(found) == {"time", f"one.{odd}", "one.der(x)"}
     np.testing.assert_array_equal(found[f"one.{odd}"], 3.0)
     with open_result(tmp_path / "out") as result:

@@ -20,8 +20,7 @@ from tests.models.exact_oscillators import quarter_car
 from ..archives import rename_files, repack, replace_text
 from ..fmus.names import mark_long
 from .c_fmus import fmu
-from .public import public
-from .runs import ran, scenario
+from .runs import completed, public, ran, scenario
 
 # Of other tools each, and one of FMI 3.0.
 ALWAYS = ("ecos/ControlledTemperature", "fmpy/Controller", "reference-fmus-3/Roberts")
@@ -39,8 +38,7 @@ RUNNING = (
 def test_a_public_fmu_runs(name: str, tmp_path: Path) -> None:
     """A second in its own process; all its numbers are finite."""
     table = {"participant": public(f"{name}.fmu"), "process": "own"}
-    summary, found = ran(scenario({"one": table}), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}), tmp_path / "out")
     assert len(found["time"]) == 101
     assert all(np.all(np.isfinite(column)) for column in found.values())
 
@@ -166,8 +164,7 @@ def test_time_events_of_one_fmu_are_seen_by_another_at_their_instants(tmp_path: 
         tables, connections=["source.counter -> filter.u[1]"], stop_time=3.3, macro_step=0.3,
         master={"name": "gauss_seidel", "extrapolation": "hold"},
     )  # fmt: skip
-    summary, found = ran(one, tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(one, tmp_path / "out")
     true = np.zeros(len(found["time"]))
     for start in (0.0, 1.0, 2.0, 3.0):
         since = found["time"][found["time"] >= start] - start

@@ -21,9 +21,7 @@ from orchestrator.scenario.warnings import list_warnings
 from orchestrator.stepping import RefinedSteps
 
 from .c_fmus import fmu
-from .masses import exact_position, masses
-from .public import public
-from .runs import ran, recorded, scenario
+from .runs import completed, exact_position, masses, public, ran, recorded, scenario
 
 TIMES = np.linspace(0.0, 1.0, 41)
 
@@ -272,8 +270,7 @@ def test_its_error_falls_with_the_tolerance(tmp_path):
         one = masses(
             SECOND, tmp_path, macro_step=1e-3, step_control={"estimator": "defect", "relative": tolerance}
         )
-        summary, found = ran(one, tmp_path / str(tolerance))
-        assert summary.complete
+        found = completed(one, tmp_path / str(tolerance))
         errors.append(np.abs(found["first.position"] - exact_position(found["time"])).max())
     assert errors[1] < 0.05 * errors[0]
 
@@ -311,8 +308,7 @@ def test_an_explicit_master_with_step_control_meets_the_contact(tmp_path):
         stop_time=0.16,
         step_control={"relative": 1e-6},
     )
-    summary, found = ran(one, tmp_path / "out")
-    assert summary.complete
+    found = completed(one, tmp_path / "out")
     position, velocity = found["falling.position"], found["falling.velocity"]
     assert position.min() == pytest.approx(-DEEPEST, rel=0.02)
     energy = 0.5 * velocity**2 + GRAVITY * position + 0.5 * STIFFNESS * np.minimum(position, 0.0) ** 2

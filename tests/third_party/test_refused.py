@@ -17,9 +17,8 @@ from orchestrator.scenario.warnings import list_warnings
 from orchestrator.texts import parse_toml
 
 from ..archives import rename_files, replace_text
-from .c_fmus import fmu
-from .described import describe2, describe3, real2
-from .runs import ran, scenario
+from .c_fmus import describe2, describe3, fmu, real2
+from .runs import completed, ran, scenario
 
 VERSIONS = (2, 3)
 
@@ -91,8 +90,7 @@ def test_two_of_an_fmu_that_fills_its_process_take_processes_of_their_own(tmp_pa
     with pytest.raises(ScenarioError, match=r"one instance.*set components\.\w+\.process = 'own'"):
         ran(scenario(twice), tmp_path / "out")
     twice["other"] = {"participant": path, "process": "own"}
-    summary, found = ran(scenario(twice), tmp_path / "out")
-    assert summary.complete
+    found = completed(scenario(twice), tmp_path / "out")
     np.testing.assert_array_equal(found["one.x"], found["other.x"])
 
 

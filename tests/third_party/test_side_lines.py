@@ -14,8 +14,7 @@ from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.system import build_system
 
 from .clocked_fmus import sampler
-from .public import public
-from .runs import CASES, find_texts, ran, scenario
+from .runs import CASES, find_texts, public, ran, scenario
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)

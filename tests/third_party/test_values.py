@@ -9,11 +9,9 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.values import find_place
 from orchestrator.scenario.warnings import list_warnings
 
-from .c_fmus import fmu
-from .described import describe2
+from .c_fmus import describe2, fmu
 from .models import MODELS, Model, V
-from .public import public
-from .runs import ran, scenario
+from .runs import completed, ran, scenario
 
 VERSIONS = (2, 3)
 TAKEN = "components.one.start.length = 0.002 mm: numbers without a unit are in the FMU's"
@@ -50,8 +48,7 @@ def test_a_start_time_other_than_the_runs_is_named(tmp_path):
 @pytest.mark.parametrize(("version", "value", "number"), [(2, "other", 9), (3, "brass", 2), (3, 2, 2)])
 def test_items_are_given_by_name_or_number(version, value, number, tmp_path):
     table = {"participant": fmu("stretched", version, tmp_path), "parameters": {"material": value}}
-    summary, found = ran(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
     np.testing.assert_array_equal(found["one.number"], number)
 
 
@@ -121,8 +118,7 @@ def test_a_text_arrives_in_utf_8(version, process, text, tmp_path):
     """Also one that would be a value with a unit elsewhere, and by the run's own scenario file."""
     path, raw = fmu("reading", version, tmp_path), text.encode()
     table = {"participant": path, "process": process, "parameters": {"table file": text, "scale": 2.0}}
-    summary, found = ran(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(scenario({"one": table}, stop_time=0.02), tmp_path / "out")
     assert set(found["one.length"]) == {2.0 * len(raw)}
     first, second = (raw + b"\0\0")[:2]
     assert (found["one.first"][0], found["one.second"][0]) == (first, second)
@@ -140,8 +136,7 @@ def test_structural_parameters_set_the_sizes_of_arrays(tmp_path):
         "inputs": {"u": [0.25, 0.5, -1.0]},
     }
     one = scenario({"one": table})
-    summary, found = ran(one, tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(one, tmp_path / "out")
     assert "one.y[4]" not in found
     for i, (start, slope) in enumerate(((1.0, 0.25), (-2.0, 0.5), (0.5, -1.0)), 1):
         np.testing.assert_allclose(
@@ -161,27 +156,3 @@ def test_connections_reach_elements_that_a_structural_parameter_added(tmp_path):
     one = scenario(tables, connections=["one.y[3] -> two.u[3]"], master={"name": "gauss_seidel"})
     _, found = ran(one, tmp_path / "out")
     np.testing.assert_allclose(found["two.y[3]"], found["time"] + found["time"] ** 2, rtol=0, atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "interface", [pytest.param("co_simulation", marks=pytest.mark.long), "model_exchange"]
-)
-def test_a_public_state_space_takes_matrices(interface, tmp_path):
-    """dx/dt = A x + B u from rest with a nilpotent A: x = t b u + t^2/2 A b u, exact for the solver of model
-    exchange; the steps h of its co-simulation by Euler give t (t - h)."""
-    table = {
-        "participant": public("reference-fmus-3/StateSpace.fmu"),
-        "interface": interface,
-        "parameters": {
-            "A": [[0.0, 1.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
-            "B": [[0.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 0.0]],
-            "D": [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 5.0]],
-        },
-        "inputs": {"u": [0.0, 1.0, 3.0]},
-    }
-    _, found = ran(scenario({"one": table}, stop_time=4.0, macro_step=1.0), tmp_path / "out")
-    t = found["time"]
-    first = t**2 if interface == "model_exchange" else t * (t - 1e-3)
-    np.testing.assert_allclose(found["one.y[1]"], first, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found["one.y[2]"], 2.0 * t, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found["one.y[3]"], 15.0, rtol=1e-15)

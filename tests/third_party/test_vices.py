@@ -30,8 +30,9 @@ from orchestrator.store.result_file import open_result
 
 from ..archives import replace_text
 from ..fmus.names import mark_long
+from ..orchestrator.commands import tribocosim
 from .c_fmus import TOKEN, fmu
-from .runs import CASES, never, ran, recorded, scenario
+from .runs import CASES, completed, never, ran, recorded, scenario
 
 posix = pytest.mark.skipif(os.name != "posix", reason="processes and signals are others on Windows")
 STEP = "step from t = 0.5 s by 0.01 s"
@@ -149,13 +150,13 @@ def test_what_ends_the_run_s_process_ends_the_command_as_a_failure(vice, how, tm
     one = case(fmu(vice, 2, tmp_path), "shared", checkpoint_every=1e-3)
     file.write_text(to_short_toml(one, tmp_path), "utf-8")
     for arguments in (("run", str(file), "--out", str(out)), ("resume", str(out))):
-        ended = command(*arguments)
+        ended = tribocosim(*arguments)
         assert ended.returncode == 3
         assert f"decay: the FMU ended the process of the whole command ({how}); --set" in ended.stderr
         assert f"resume {out} --keep makes the result of what was recorded, to t = 0.5 s" in ended.stderr
         left = json.loads((out / "summary.json").read_text("utf-8"))
         assert (left["complete"], left["exit_status"]) == (False, 3)
-    done = command("resume", str(out), "--keep")
+    done = tribocosim("resume", str(out), "--keep")
     assert done.returncode == 3
     assert "components.decay.process = 'own' says which and where" in done.stderr
     with open_result(out / "result.nc") as result:
@@ -213,8 +214,7 @@ def test_signals_end_a_command_whose_fmu_heeds_none(number, status, tmp_path):
 @posix
 def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path):
     before = list_children()
-    summary, found = ran(case(fmu("forking", 2, tmp_path), "own"), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(case(fmu("forking", 2, tmp_path), "own"), tmp_path / "out")
     assert len(found["time"]) == 101
     assert list_children() <= before
 
@@ -222,8 +222,7 @@ def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path):
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere orphans have no other parent than the first")
 def test_what_leaves_the_session_of_an_fmu_ends_with_it(tmp_path, monkeypatch):
     monkeypatch.setenv("MARK", str(mark := tmp_path / "mark"))
-    summary, _ = ran(case(fmu("detaching", 2, tmp_path), "own"), tmp_path / "out")
-    assert summary.complete, summary.message
+    completed(case(fmu("detaching", 2, tmp_path), "own"), tmp_path / "out")
     assert not psutil.pid_exists(int(mark.read_text()))
 
 
@@ -232,13 +231,6 @@ def wait_for(come: Callable[[], bool]) -> None:
     while not come():
         assert time.monotonic() < end
         time.sleep(0.01)
-
-
-def command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    program = "from tribocosim.command_line import main; main()"
-    return subprocess.run(
-        [sys.executable, "-c", program, *arguments], capture_output=True, text=True, check=False, timeout=300
-    )
 
 
 @pytest.mark.parametrize(("version", "process"), CASES)
@@ -266,8 +258,7 @@ def test_one_that_hangs_is_ended(vice, tmp_path):
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="call_time_limit needs a POSIX system")
 def test_an_fmu_that_reads_standard_input_gets_none_of_the_messages(tmp_path):
     path = fmu("listening", 2, tmp_path)
-    summary, found = ran(case(path, "own", call_time_limit=10.0), tmp_path / "out")
-    assert summary.complete, summary.message
+    found = completed(case(path, "own", call_time_limit=10.0), tmp_path / "out")
     assert len(found["time"]) == 101
 
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from fmpy.fmi1 import FMICallException
 
 from fmus.variable_layout import ENERGIES
 from models.core.component import Component
@@ -296,21 +295,4 @@ def test_derivatives_are_linear_in_the_direction(native_files):
 
     expected = 3.0 * along(1.0, 0.0) - 0.5 * along(0.0, 1.0)
     np.testing.assert_allclose(along(3.0, -0.5), expected, rtol=1e-14)
-    slave.free()
-
-
-@pytest.mark.parametrize(
-    ("unknown", "known", "said"),
-    [
-        ("load", "load", "derivatives are of what is calculated and continuous"),
-        ("position", "position_start", "derivatives are by inputs"),
-        ("position", "velocity", "derivatives are by inputs"),
-    ],
-)
-def test_what_has_no_derivative_is_said(native_files, unknown, known, said):
-    slave = Instance(native_files["valve_spring"]).initialize()
-    references = [[slave.variables[name].valueReference] for name in (unknown, known)]
-    with pytest.raises(FMICallException):
-        slave.fmu.getDirectionalDerivative(*references, [1.0])
-    assert said in slave.messages[-1][2]
     slave.free()

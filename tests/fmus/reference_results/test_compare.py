@@ -22,7 +22,7 @@ from tests.fmus.layered import check_manifest
 from tests.fmus.names import REFERENCED, mark_long
 from tests.third_party.c_fmus import fmu
 from tests.third_party.c_fmus import fmu as third_party
-from tests.third_party.public import public
+from tests.third_party.runs import public
 
 
 @pytest.mark.parametrize(
@@ -274,8 +274,6 @@ def test_options_as_others_write_them():
     [
         ("", "line 1 must have the names"),
         ('"time","a"\n', "has no numbers"),
-        ('"time","a"\n0,x\n', "line 2 must be finite numbers"),
-        ('"time","a"\n0,inf\n', "line 2 must be finite numbers"),
         ('"time","a"\n0,1,2\n', "line 2 has 3 numbers: must be 2"),
         ('"time","a"\n0,1\n2,1\n1,1\n', "line 4: time falls"),
     ],
@@ -291,7 +289,6 @@ def test_a_bad_table_is_refused(text, message):
         ("StopTime, 2.0\n", "", "StopTime is missing"),
         ("StopTime, 2.0", "StopTime, two", "StopTime = two: must be a number"),
         ("StopTime, 2.0", "StopTime, nan", "StopTime is missing: it must be a finite number"),
-        ("StopTime, 2.0", "StopTime, -1", "StopTime = -1 s: must be later than StartTime = 0 s"),
         ("StepSize, 0.01", "StepSize, 5", "StepSize = 5 s: must be from 0 to 2 s"),
         ("RelTol, 1e-06", "RelTol, -1", "RelTol = -1: must not be negative"),
     ],
