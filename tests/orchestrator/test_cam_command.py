@@ -21,7 +21,6 @@ from orchestrator.analyses._cam_profile import build_profile
 from orchestrator.analyses._cam_source import find_settings
 from orchestrator.analyses._cam_timing import find_timing
 from orchestrator.analyses.cam import ANALYSIS
-from orchestrator.errors import MistakeError
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load as load_scenario
 from tribocosim.command_line import app
@@ -118,26 +117,6 @@ def test_the_speed_of_a_free_drive_is_that_of_its_start(tmp_path):
     own = "[components.flywheel]\nparameters.motion = 'free'\nstart.speed = '3000 rpm'\n"
     (tmp_path / "free.toml").write_text(f'extends = "valve-train"\n{own}')
     assert find_settings(str(tmp_path / "free.toml"))["speed"] == pytest.approx(100.0 * math.pi)
-
-
-@pytest.mark.parametrize(
-    ("source", "component", "message"),
-    [
-        ("cycloidl", None, "did you mean cycloidal?"),
-        ("my-cm", None, "did you mean my-cam?"),
-        ("no-such-thing", None, "or a file: a lift table .csv"),
-        ("quarter-car", None, "no component has a cam"),
-        ("engine-16v", None, "choose one with component"),
-        ("engine-16v", "tappet_intake_2", "did you mean tappet_intake_2"),
-        ("cycloidal", "camshaft", "is no scenario"),
-        ("absent.toml", None, "no such scenario file"),
-        ("absent.csv", None, "absent.csv: no such file; give a path, a law"),
-        (str(TABLE).replace(".csv", "s.csv"), None, f"no such file; did you mean {TABLE}"),
-    ],
-)
-def test_what_has_no_cam_is_named(source, component, message):
-    with pytest.raises(MistakeError, match=message):
-        find_settings(source, component)
 
 
 def test_the_cam_of_a_scenario_is_that_of_its_run(tmp_path):

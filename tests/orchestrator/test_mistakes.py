@@ -6,6 +6,7 @@ import pytest
 
 from .commands import called, said
 
+SHIPPED = "orchestrator/scenario/shipped"
 FOLDER = "none: there is no such folder; give the output folder"
 # By command; OUT is a folder that is not there.
 MISTAKES = {
@@ -24,6 +25,7 @@ MISTAKES = {
     "run valve-train --master jacob --out OUT": "did you mean jacobi?",
     "run valve-train --out pyproject.toml": "is a file",
     "run valve-train --out /proc/none": "/proc/none: no folder can be made in /proc; choose another --out",
+    "run valve-train --set components.camshaft.parameters.lift=9 --out OUT": "did you mean 9 mm?",
     "speeds valve-train --count 2 --out pyproject.toml/x": "pyproject.toml: is a file",
     "resume none": FOLDER,
     "report none": FOLDER,
@@ -48,6 +50,16 @@ MISTAKES = {
     "wear pushrod-engine --until '3 mm' --out OUT": "choose --contact",
     "wear valve-train --until '3 mm' --out OUT": "or less",
     "design valve-trian --out OUT": "did you mean valve-train",
+    "cam cycloidl --out OUT": "did you mean cycloidal?",
+    "cam my-cm --out OUT": "did you mean my-cam?",
+    "cam no-such-thing --out OUT": "or a file: a lift table .csv",
+    "cam quarter-car --out OUT": "no component has a cam",
+    "cam engine-16v --out OUT": "choose one with --component",
+    "cam engine-16v --component tappet_intake_2 --out OUT": "did you mean tappet_intake_2",
+    "cam cycloidal --component camshaft --out OUT": "is no scenario",
+    "cam absent.toml --out OUT": "no such scenario file",
+    "cam absent.csv --out OUT": "absent.csv: no such file; give a path, a law",
+    f"cam {SHIPPED}/my-cams.csv --out OUT": f"no such file; did you mean {SHIPPED}/my-cam.csv",
     # Of numbers that are plausible only in another unit than SI.
     "cam cycloidal --base-radius 24 --out OUT": "Write the unit",
     "cam cycloidal --speed 3000 --out OUT": "Write the unit",
@@ -58,6 +70,7 @@ MISTAKES = {
         )
         for name in ("run", "speeds", "design", "wear", "sensitivities", "analyse", "masters")
     },
+    "ssp import README.md --out OUT": "README.md: is no package; give an .ssp file",
     "components camshft": "did you mean camshaft",
     "fmu validate none.fmu": "no such file",
     "fmu validate docs": "docs: is a folder; give its files: docs/*.fmu",

@@ -12,8 +12,6 @@ from orchestrator.scenario.files import load, to_full_toml
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 
-from .commands import called
-
 
 @pytest.mark.parametrize(
     ("settings", "said"),
@@ -107,16 +105,6 @@ def test_a_run_refuses_a_slip_of_the_unit_and_takes_the_number_with_its_unit(set
     (kept := tmp_path / "kept.toml").write_text(to_full_toml(meant))
     check_units(load(kept))
     assert to_full_toml(load(kept)) == to_full_toml(meant)
-
-
-def test_a_system_that_a_slip_of_the_unit_makes_impossible_names_the_slip(tmp_path):
-    done = called(
-        "run", "valve-train", "--set", "components.camshaft.parameters.lift=9", "--out", str(tmp_path / "a")
-    )
-    assert done.returncode == 2
-    (slip,) = done.stderr.splitlines()
-    assert "did you mean 9 mm?" in slip
-    assert not (tmp_path / "a").exists()
 
 
 @pytest.mark.parametrize(
