@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from models.core.difference import difference, time_weights
 from models.core.quantities import Vector
 from models.core.system import System
@@ -130,7 +132,9 @@ def _compare(plan: Plan, result: ResultFile, reporter: Reporter, summary: Summar
         advice = _advise_on_steps(plan, errors, solution, ends, coupled, reporter)
     witness = _hear_witness(plan, coupled, solution, reporter)
     agreed = within and (witness is None or witness.agrees)
-    said = join(text, advice, witness.describe_agreement() if witness else "", solution.doubts)
+    moved = any(np.ptp(coupled[name]) > 0.0 for name in errors)
+    still = "" if moved else "; but all compared variables are constant, which proves nothing"
+    said = join(text, still, advice, witness.describe_agreement() if witness else "", solution.doubts)
     return replace(
         _conclude(summary, WITHIN if agreed else OUTSIDE, said),
         errors=errors,

@@ -52,6 +52,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *_list_notes(scenario),
         *doubt_oils(scenario),
         *_list_unloaded(scenario),
+        *_list_loose(scenario),
         *_list_other_units(scenario),
         *list_file_warnings(scenario),
         *list_limit_warnings(scenario),
@@ -189,6 +190,43 @@ def _list_unloaded(scenario: Scenario) -> list[str]:
         and f"{name}.applied_load" not in driven
         and not table.inputs.get("applied_load")
     ]
+
+
+def _list_loose(scenario: Scenario) -> Iterator[str]:
+    """Doubt parts that are not coupled as parts of a coupled system are: without a connection, driven by
+    nothing, of no effect, or with the velocity of a body whose position stays."""
+    sources, targets = ({getattr(line, end) for line in scenario.lines} for end in ("source", "target"))
+    for name, table in scenario.components.items() if scenario.lines else ():
+        component, place = table.resolve(), f"components.{name}"
+        used = any(f"{name}.{one}" in sources | scenario.tolerance.keys() for one in component.outputs.names)
+        free = [one for one in component.inputs.names if f"{name}.{one}" not in targets]
+        driven = len(free) < component.inputs.size
+        if not used and not driven:
+            yield f"{WARNING}{place}: has no connection, and no effect; connect it, or leave it out"
+        elif not used and component.outputs.size and not component.roles:
+            yield (
+                f"{WARNING}{place}: drives nothing: no output is connected or has a tolerance; connect one "
+                f"of {_name_parts(list(component.outputs.names))}"
+            )
+        elif free and not (driven or table.inputs or component.has_role(roles.Drive)):
+            yield (
+                f"{WARNING}{place}: nothing drives it: no input is connected or given; connect "
+                f"{_name_parts(free)}, or give it in {place}.inputs"
+            )
+        for one in free if driven else ():
+            field, stem = component.inputs.field(one), one.rpartition("_")[0]
+            rates = [
+                rate.name
+                for rate in component.inputs.fields
+                if rate.quantity.unit == f"{field.quantity.unit}/s"
+                and rate.name.rpartition("_")[0] == stem
+                and rate.name not in free
+            ]
+            if rates and one not in table.inputs:
+                yield (
+                    f"{WARNING}{place}.inputs.{one}: not connected, stays {field.start:g} "
+                    f"{field.quantity.unit}, though {rates[0]} is connected; connect it, or give it"
+                )
 
 
 def list_oils(scenario: Scenario) -> list[str]:

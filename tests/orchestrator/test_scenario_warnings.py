@@ -4,11 +4,12 @@ import tomllib
 
 import pytest
 
+import tribocosim
 from models.core.remedies import in_python
 from orchestrator.assessment.gas_phase import list_doubtful_gas
 from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.checks import check_units
-from orchestrator.scenario.files import load, to_full_toml
+from orchestrator.scenario.files import list_shipped, load, to_full_toml
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.warnings import list_warnings
 
@@ -44,6 +45,49 @@ def test_what_has_no_effect_is_noticed():
     (said,) = list_warnings(load("valve-train", [given]))
     assert "nothing drives contact.applied_load" in said
     assert list_warnings(load("valve-train", [given, "components.contact.inputs.applied_load=300"])) == []
+
+
+WHEEL = 'extends = "quarter-car"\nwithout = ["wheel.position -> chassis.wheel_position"]'
+THIRD = """extends = "two-masses"
+{line}
+[components.third]
+component = "sprung_mass"
+participant = "in-process"
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (WHEEL, ["chassis.inputs.wheel_position: not connected, stays 0 m, though wheel_velocity is"]),
+        (f"{WHEEL}\ncomponents.chassis.inputs = {{ wheel_position = 0.1 }}", []),
+        (THIRD.format(line=""), ["third: has no connection"]),
+        (
+            THIRD.format(line="tolerance = { 'third.position' = 1e-3 }"),
+            ["third: nothing drives it: no input"],
+        ),
+        (
+            THIRD.format(line="connections = ['first.force -> third.force']"),
+            ["third: drives nothing: no out"],
+        ),
+    ],
+)
+def test_what_is_not_coupled_is_doubted(text, said, tmp_path):
+    (path := tmp_path / "loose.toml").write_text(text)
+    for words, line in zip(said, list_warnings(load(path)), strict=True):
+        assert line.startswith(f"warning: components.{words}")
+
+
+def test_no_shipped_scenario_lacks_a_connection():
+    said = [line for name in list_shipped() for line in list_warnings(load(name))]
+    assert not [line for line in said if "connect" in line]
+
+
+def test_a_comparison_of_constants_proves_nothing():
+    rest = {f"components.{name}.start": {"position": 0.0, "velocity": 0.0} for name in ("first", "second")}
+    kept = {f"components.{name}.participant": "in-process" for name in ("first", "second")}
+    verdict = tribocosim.run(tribocosim.load("two-masses").with_(rest | kept)).summary["verdict"]
+    assert verdict == "within the tolerance; but all compared variables are constant, which proves nothing"
 
 
 def test_a_stop_time_that_may_be_meant_in_ms_is_doubted():
