@@ -140,6 +140,7 @@ def _evaluate_table(
     least = find_least_radius(radii, rates)
     zeros, slopes = _find_reversals(angle, lambda a: _entrain(profile.lift(a), follower, geometry))
     read, smoothing = profile.table, profile.smoothing
+    doubts = read.list_doubts(smoothing, values["ramp_height"]) if read and smoothing else []
     return {
         "largest_lift": float(lift.max()),
         "at_angle": float(angle[np.argmax(lift)]),
@@ -157,7 +158,7 @@ def _evaluate_table(
         "reversals": ", ".join(_format_reversals(zeros, slopes, smoothing)) or "none",
         "slope_at_reversals": float(max(slopes, default=math.nan)),
         "table_choices": "; ".join(read.list_notes()) or "none" if read else "",
-        "table_doubts": "; ".join(read.list_doubts(smoothing)) or "none" if read and smoothing else "",
+        "table_doubts": "; ".join(doubts) or "none" if read else "",
         "table_residual": smoothing.residual if smoothing else math.nan,
         "table_resolution": smoothing.resolution if smoothing else math.nan,
         "curvature_uncertainty": smoothing.curvature_error if smoothing else math.nan,

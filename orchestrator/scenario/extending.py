@@ -73,8 +73,8 @@ def _drop_lines_of(content: dict[str, Any], component: str) -> None:
 def merge(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     """Merge `over` into `base`: tables are merged, connections added, other values and oils replaced.
 
-    A component's `lift_table` or `lift_segments` replaces the law, and a law replaces them. A spring's `wire`
-    replaces what follows from it.
+    A component's `lift_table` or `lift_segments` replaces the law and its ramps, and a law replaces them. A
+    spring's `wire` replaces what follows from it.
     """
     result = dict(base)
     if "wire" in over:

@@ -18,6 +18,7 @@ from pydantic import Field, ValidationError
 from models.core.quantities import Vector
 from models.plausible import CAM_LIFT
 from models.valve_train.cams.law import LawParameters
+from models.valve_train.cams.ramps import RampParameters
 from models.valve_train.cams.segments import Rise, join_sides, scale_rise
 from models.valve_train.cams.table import TURN, Points, TableParameters
 
@@ -25,6 +26,7 @@ from .angle_table import AngleTable, AngleTableError, Kind, find_gaps, read_angl
 from .cam_files import S96, read_s96
 from .fields import Table, in_unit
 from .messages import place_faults
+from .units import to_unit
 from .values import WARNING, Faults, Inserted
 
 if TYPE_CHECKING:
@@ -141,11 +143,12 @@ class LiftTable:
         """What was chosen in reading."""
         return [*self.notes, *self._fill_gaps()[2]]
 
-    def list_doubts(self, smoothed: SmoothedLift) -> list[str]:
-        """What may be wrong with the table."""
+    def list_doubts(self, smoothed: SmoothedLift, ramp_height: float = 0.0) -> list[str]:
+        """What may be wrong with the table, to which ramps of this height (m) are added."""
         shape = _doubt_zero(smoothed)
         shape = shape or ("" if self.named else _doubt_event(*smoothed.event)) or _doubt_runout(smoothed)
-        return [doubt for doubt in (shape, self._doubt_accuracy(smoothed)) if doubt]
+        ramps = _doubt_ramps(smoothed.ramp, ramp_height)
+        return [doubt for doubt in (shape, ramps, self._doubt_accuracy(smoothed)) if doubt]
 
     def _doubt_accuracy(self, smoothed: SmoothedLift) -> str:
         share = smoothed.curvature_error / float(np.abs(smoothed.points.curvature).max())
@@ -187,6 +190,15 @@ def _doubt_runout(smoothed: SmoothedLift) -> str:
     return (
         f"its base circle has a runout of {1e3 * (high - low):.3g} mm, which moves the follower; the event "
         f"counts from a lift of {1e3 * smoothed.event_height:.3g} mm"
+    )
+
+
+def _doubt_ramps(own: float, added: float) -> str:
+    if not (own and added):
+        return ""
+    return (
+        f"it has a ramp itself, up to {1e3 * own:.2g} mm, to which `ramp_height` adds {1e3 * added:.3g} mm: "
+        "set ramp_height = 0, or take the ramps out of the table"
     )
 
 
@@ -240,7 +252,8 @@ def _smooth_file(path: Path, changed: int) -> tuple[LiftTable, SmoothedLift]:
         raise AngleTableError(f"{path}: {error}") from None
 
 
-# Parameters of a law without its ramps, which a table replaces.
+# Parameters of a law alone, and those of the ramps that a law and a table may have.
+RAMPS = {field.name for field in fields(RampParameters)}
 OF_LAWS = {field.name for field in fields(LawParameters)} - {field.name for field in fields(TableParameters)}
 
 
@@ -248,8 +261,19 @@ def insert_lift_table(table: dict[str, Any]) -> Inserted:
     """The points of the table's `lift_table`."""
     check_no_law(table, "lift_table")
     read, smoothed = smooth_file(Path(table["lift_table"]))
-    notes = [*read.list_notes(), *(WARNING + doubt for doubt in read.list_doubts(smoothed))]
+    doubts = read.list_doubts(
+        smoothed, _find_ramp_height(table.get("parameters", {}).get("ramp_height", 0.0))
+    )
+    notes = [*read.list_notes(), *(WARNING + doubt for doubt in doubts)]
     return _insert_points(smoothed.points, smoothed.event, notes)
+
+
+def _find_ramp_height(given: Any) -> float:
+    """In m; 0 for what the check of the parameters refuses."""
+    try:
+        return to_unit(given, "m") if isinstance(given, str) else float(given)
+    except (TypeError, ValueError):
+        return 0.0
 
 
 def _insert_points(points: Points, event: tuple[float, float], notes: Sequence[str] = ()) -> Inserted:
@@ -258,12 +282,13 @@ def _insert_points(points: Points, event: tuple[float, float], notes: Sequence[s
 
 
 def replace_law(table: dict[str, Any], key: str) -> None:
-    """Take other cams out of a component's table that gets this one of CAM_KEYS."""
+    """Take other cams out of a component's table that gets this one of CAM_KEYS: a law with its ramps."""
+    gone = OF_LAWS if CAM_KEYS & table.keys() else OF_LAWS | RAMPS
     for other in CAM_KEYS - {key}:
         table.pop(other, None)
     parameters = table.get("parameters")
     if isinstance(parameters, dict):
-        table["parameters"] = {name: value for name, value in parameters.items() if name not in OF_LAWS}
+        table["parameters"] = {name: value for name, value in parameters.items() if name not in gone}
 
 
 def check_no_law(table: dict[str, Any], key: str) -> None:

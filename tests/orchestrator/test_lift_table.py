@@ -317,6 +317,22 @@ def test_runout_of_the_base_circle_is_no_lift(tmp_path, phase):
     assert 110.0 < math.degrees(end - begin) < 130.0
 
 
+@pytest.mark.parametrize("velocity", [0.008, 0.025])
+def test_a_ramp_of_the_table_is_found_and_doubted_beside_another(tmp_path, velocity):
+    """0.25 mm at so many mm/deg before both feet of the lobe, whose steepest rise is 0.32 mm/deg."""
+    angles = np.arange(-180.0, 180.0)
+    own = 0.25 - velocity * np.clip(np.abs(angles) - RISE + 0.25 / velocity / 3.0, 0.0, 0.25 / velocity)
+    smoothed = (table := read(tmp_path, "cam angle, lift", angles=angles, lifts=lobe(angles) + own)).smooth()
+    assert smoothed.ramp == pytest.approx(0.25e-3, rel=0.4)
+    added = "to which `ramp_height` adds 0.2 mm: set ramp_height = 0"
+    assert added in " ".join(table.list_doubts(smoothed, 2e-4))
+    assert added not in " ".join(table.list_doubts(smoothed))
+    file = write_scenario(tmp_path, '[components.camshaft.parameters]\nramp_height = "0.2 mm"\n')
+    assert added in " ".join(list_warnings(load(file)))
+    for lobe_alone in (read(tmp_path, angles=angles, lifts=lobe(angles)), read(tmp_path)):
+        assert not lobe_alone.list_doubts(lobe_alone.smooth(), 2e-4)
+
+
 def test_a_run_repeats_beside_its_verdict_what_is_doubted_of_its_table(tmp_path, capsys):
     write(tmp_path / "cam.csv", lifts=lift(ANGLES) - 0.1 * (np.abs(ANGLES - 150.0) < 0.1))
     notices = list_warnings(load(write_scenario(tmp_path)))
@@ -350,6 +366,8 @@ def test_a_table_replaces_the_law_of_the_scenario_that_it_extends(tmp_path):
     parameters = load(write_scenario(tmp_path, "", *finger)).components["finger"].parameters
     assert parameters["base_radius"] == 20e-3
     assert "lift" not in parameters
+    replaced = load(write_scenario(tmp_path, base="seat-and-lash")).components["camshaft"].parameters
+    assert "ramp_height" not in replaced  # of the law's ramps
     file = write_scenario(tmp_path, "[components.finger.parameters]\ncolour = 3\n", *finger)
     with pytest.raises(
         ScenarioError, match=r"known: base_radius, smooth, table_angle\[1\.\.360\], .*mass_arm"

@@ -31,6 +31,9 @@ RUNOUT = 0.02
 # A sample is doubtful that deviates from the spline of the others more than this many times the median.
 # Samples with even or normal errors stay below 5.
 DOUBTFUL = 8.0
+# A ramp is slow: between these parts of the largest s' its s'' is below a part of its largest.
+# A law that begins with the fourth power of the angle has a seventh of its largest s'' there.
+SLOW, FAST, STRAIGHT = 0.01, 0.3, 0.07
 # No cam is measured better (m).
 MEASURED = 1e-7
 
@@ -79,6 +82,20 @@ class SmoothedLift:
         before = int(np.argmax(np.diff(lifted, append=lifted[0] + TURN)))
         begin, end = float(lifted[(before + 1) % lifted.size]), float(lifted[before])
         return begin, end if end >= begin else end + TURN
+
+    @property
+    def ramp(self) -> float:
+        """Lift (m) up to which the samples have a ramp, the higher one of both sides; 0: none."""
+        p, height = self.points, 0.0
+        opposite = int(np.argmax(p.lift)) - p.lift.size // 2
+        for side in (1, -1):
+            columns = (p.lift, side * p.slope, p.curvature)
+            lift, slope, curvature = (np.roll(column, -opposite)[::side] for column in columns)
+            before = slice(0, int(np.argmax(slope)))
+            slow = (slope >= SLOW * slope.max()) & (slope <= FAST * slope.max())
+            straight = np.abs(curvature) <= STRAIGHT * curvature.max()
+            height = max(height, float(lift[before][(slow & straight)[before]].max(initial=0.0)))
+        return height
 
 
 def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedLift:
