@@ -7,7 +7,6 @@ from fmus.fmi.archive import FmuFileError, archive_faults, open_archive
 from models.core.evaluation import check_start
 from models.core.system import System, suggestion
 
-from ..engine.energy.bonds import find_exchanged_bonds
 from ..errors import Fault, in_command_line
 from ..participants.capabilities import find_missing
 from .capabilities import check_capabilities, choose_reference
@@ -41,7 +40,12 @@ def check_scenario(scenario: Scenario, system: System) -> str | None:
 def check_steps(scenario: Scenario, system: System) -> None:
     """ScenarioError where the master or the steps do not suit the system, or its FMU files."""
     _check_master(scenario)
-    _check_energy(scenario, system)
+    control = scenario.step_control
+    if control and control.forward and scenario.event_tolerance is not None:
+        raise ScenarioError(
+            f"event_tolerance: step_control.estimator = {control.estimator!r} makes no step again, as the "
+            "location of events does; leave one of them out"
+        )
     check_capabilities(scenario)
 
 
@@ -102,21 +106,6 @@ def _check_master(scenario: Scenario) -> None:
             )
         if iterate.count(name) > 1:
             raise ScenarioError(f"master.iterate: {name!r} is named twice; name each component once")
-
-
-def _check_energy(scenario: Scenario, system: System) -> None:
-    """The energy estimator needs a power bond, and steps that are never made again no located events."""
-    control = scenario.step_control
-    if control and control.estimator == "energy" and not find_exchanged_bonds(system):
-        raise ScenarioError(
-            "step_control.estimator = 'energy': no power bond has both its effort and its flow among the "
-            "connections, so that it would see no error; use schierz or step_doubling"
-        )
-    if control and control.forward and scenario.event_tolerance is not None:
-        raise ScenarioError(
-            f"event_tolerance: step_control.estimator = {control.estimator!r} makes no step again, as the "
-            "location of events does; leave one of them out"
-        )
 
 
 def _check_file(name: str, path: Path, variables: Iterable[str]) -> None:

@@ -66,9 +66,8 @@ class StepControlTable(Table):
 
     estimator: str | None = Field(
         None,
-        description="predictor_corrector, step_doubling, schierz or energy; default: predictor_corrector for "
-        "iterated masters, step_doubling for others. defect never makes a step again, for FMUs that cannot "
-        "restore their state",
+        description="predictor_corrector or step_doubling; default: the first for iterated masters, the "
+        "second for others. defect never makes a step again, for FMUs that cannot restore their state",
     )
     relative: Annotated[Tolerance, Field(lt=1.0)] = Field(1e-4, description="Local error allowed, of a value")
     absolute: Tolerance | None = Field(

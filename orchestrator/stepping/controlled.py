@@ -33,7 +33,7 @@ from ..engine.step import (
 )
 from ..engine.sweeps import JACOBI
 from ..errors import EndedError, NonConvergenceError, RecoverableError, RunError, one_of
-from ..masters import Master
+from ..masters import Master, find_name
 from .estimators import ESTIMATORS, Attempt
 from .locator import Locator
 
@@ -137,6 +137,19 @@ DEFECT = "defect"
 JUDGES = (*ESTIMATORS, DEFECT)
 
 
+def check_estimator(name: str, master: Master) -> None:
+    """ValueError, with the remedy, if this estimator cannot judge that master."""
+    if name == "predictor_corrector" and not master.implicit:
+        raise ValueError(
+            f"estimator = {name!r}: needs a master that corrects; use iterated, or step_doubling"
+        )
+    if name == DEFECT and master.implicit:
+        raise ValueError(
+            f"estimator = {name!r}: judges steps that are made once; {find_name(master)} repeats them: use "
+            "predictor_corrector or step_doubling"
+        )
+
+
 @dataclass(frozen=True)
 class StepControl:
     """Tolerances and limits. An error is allowed `absolute` of nominal + `relative` of the value.
@@ -189,14 +202,14 @@ class ControlledSteps:
 
     def __init__(self, first_step: float, control: StepControl) -> None:
         self._control = control
-        self._estimator = ESTIMATORS[control.estimator]()
+        self._attempt_step = ESTIMATORS[control.estimator]
         self._controller = PI()
         self._next = first_step  # what the error allows, or growth from what it allowed before
         self._set_by = GROWTH  # which of the two
         self._over = 0  # steps over the tolerance in a row
 
     def begin(self, coupling: Coupling, master: Master, start: float, stop: float) -> None:
-        self._estimator.check(master)
+        check_estimator(self._control.estimator, master)
         self._coupling, self._master, self._stop = coupling, master, stop
         self._locator = Locator(coupling, self._control.event_tolerance)
 
@@ -265,7 +278,7 @@ class ControlledSteps:
 
         def again(shorter: float) -> None:
             coupling.points.restore(saved)
-            trial.attempt = self._estimator.attempt(coupling, self._master, time, shorter)
+            trial.attempt = self._attempt_step(coupling, self._master, time, shorter)
 
         length, over, trial.event = self._locator.locate(saved, time, trial.length, again)
         if length < trial.length:
@@ -314,7 +327,7 @@ class ControlledSteps:
         return float(np.sqrt(np.mean(parts**2))), int(e.wiring.connected[np.argmax(parts)])
 
     def _attempt(self, saved: SavedPoint, time: float, length: float) -> Attempt:
-        attempt = self._estimator.attempt(self._coupling, self._master, time, length)
+        attempt = self._attempt_step(self._coupling, self._master, time, length)
         if self._master.implicit:
             return attempt
         allowed = self._allowed(saved.coupling.values)

@@ -1,4 +1,4 @@
-"""Estimators of a macro step's local error. To add one, write a class and list it in ESTIMATORS.
+"""Estimators of a macro step's local error. To add one, write a function and list it in ESTIMATORS.
 
 The estimator makes the step, because most compute it more than once.
 
@@ -8,19 +8,16 @@ over the step, and directly from its end value where an output depends on an inp
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from models.core.quantities import Vector
 
 from ..engine.coupling import Coupling
-from ..engine.energy.bonds import find_exchanged_bonds
-from ..engine.signals import STEPWISE, History, evaluate, move_origin
-from ..engine.sweeps import JACOBI
-from ..masters import Jacobi, Master, find_name
+from ..engine.signals import STEPWISE, History
+from ..masters import Master
 
 
 @dataclass(frozen=True)
@@ -32,31 +29,6 @@ class Attempt:
     error: Vector
     exponent: float
     parts: int = 1
-
-
-class Estimator(Protocol):
-    """Makes steps and estimates their local error."""
-
-    def check(self, master: Master) -> None:
-        """ValueError, with the remedy, if this estimator cannot judge that master."""
-        ...
-
-    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
-        """The step from `time`; values, rates and signals of the coupling are then those at its end.
-
-        Called inside `coupling.points.keep()` at `time`. Does not accept the end into the history.
-        """
-        ...
-
-
-def refuse_interpolation(estimator: str, compared: str, master: Master) -> None:
-    """ValueError, with the remedy, unless the master extrapolates every signal."""
-    if not isinstance(master, Jacobi):
-        better = "predictor_corrector or step_doubling" if master.implicit else "step_doubling"
-        raise ValueError(
-            f"estimator = {estimator!r}: compares extrapolations of {compared}, as the master jacobi makes "
-            f"them; {find_name(master)} interpolates some: use {better}"
-        )
 
 
 # Gauss's quadrature with three points is exact up to degree five; node polynomials have four at most.
@@ -114,7 +86,7 @@ def effective_degree(coupling: Coupling) -> int:
     return int(lowest)
 
 
-class StepDoubling:
+def double_step(coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
     """Error of the halves from their difference to the whole; the halves are kept. Any master.
 
     Error = (halves - whole) / (1 - p), with p the error of the whole over that of the halves: 2^(k+1) where
@@ -123,33 +95,28 @@ class StepDoubling:
     value for outputs that depend on an input at the same instant, which 2^(k+1) gets wrong. Towards the end
     of a step where a source bends polynomials have no order: p is 2, and the difference itself the error.
     """
-
-    def check(self, master: Master) -> None:
-        pass
-
-    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
-        half = 0.5 * length
-        degree = effective_degree(coupling)
-        restarting = coupling.state.history.lacks(coupling.wiring.degree)
-        with coupling.points.keep() as start:
-            shares = None if master.implicit or restarting else ratios(coupling, degree, half)
-            iterations = master.step(coupling, time, length).iterations
-            whole = coupling.state.values.copy()
-            coupling.points.restore(start)
-        with coupling.state.history.passing():
-            iterations = max(iterations, master.step(coupling, time, half).iterations)
-        coupling.accept(time + half)
-        iterations = max(iterations, master.step(coupling, time + half, length - half).iterations)
-        if shares is None:
-            # The first step after a restart of a signal of degree 1 or 2 interpolates linearly.
-            known = degree if master.implicit or degree in (0, 3) else 1
-            shares, order = np.full(len(whole), 2.0 ** (known + 1)), known + 2.0
-        else:
-            order = exponent(coupling, degree)
-        if not coupling.state.history.end_smooth.all():
-            shares = np.where(coupling.state.history.end_smooth, shares, 2.0)
-            order = 2.0
-        return Attempt(iterations, (coupling.state.values - whole) / (1.0 - shares), order, parts=2)
+    half = 0.5 * length
+    degree = effective_degree(coupling)
+    restarting = coupling.state.history.lacks(coupling.wiring.degree)
+    with coupling.points.keep() as start:
+        shares = None if master.implicit or restarting else ratios(coupling, degree, half)
+        iterations = master.step(coupling, time, length).iterations
+        whole = coupling.state.values.copy()
+        coupling.points.restore(start)
+    with coupling.state.history.passing():
+        iterations = max(iterations, master.step(coupling, time, half).iterations)
+    coupling.accept(time + half)
+    iterations = max(iterations, master.step(coupling, time + half, length - half).iterations)
+    if shares is None:
+        # The first step after a restart of a signal of degree 1 or 2 interpolates linearly.
+        known = degree if master.implicit or degree in (0, 3) else 1
+        shares, order = np.full(len(whole), 2.0 ** (known + 1)), known + 2.0
+    else:
+        order = exponent(coupling, degree)
+    if not coupling.state.history.end_smooth.all():
+        shares = np.where(coupling.state.history.end_smooth, shares, 2.0)
+        order = 2.0
+    return Attempt(iterations, (coupling.state.values - whole) / (1.0 - shares), order, parts=2)
 
 
 def ratios(coupling: Coupling, degree: int, half: float) -> Vector:
@@ -168,40 +135,7 @@ def exponent(coupling: Coupling, degree: int) -> float:
     return degree + (1.0 if coupling.wiring.passed_through.any() else 2.0)
 
 
-class Schierz:
-    """Two halves of a step; the second one also with the first one's signals going on.
-
-    Schierz, Arnold and Clauss 2012 (doi 10.3384/ecp12076205), section 4.
-
-    Needs no way back over the whole step, only over its second half. Error = (fresh - continued) / (1 - p),
-    see `StepDoubling`. For Jacobi masters, where every signal is extrapolated: one that interpolates some
-    has errors that this does not see.
-    """
-
-    def check(self, master: Master) -> None:
-        refuse_interpolation("schierz", "all signals", master)
-
-    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
-        if coupling.state.history.lacks(coupling.wiring.degree):
-            return StepDoubling().attempt(coupling, master, time, length)
-        half = 0.5 * length
-        middle_time = time + half
-        degree = effective_degree(coupling)
-        shares = ratios(coupling, degree, half)
-        with coupling.state.history.passing():
-            iterations = master.step(coupling, time, half).iterations
-        move_origin(coupling.signals, half, coupling.signals)
-        coupling.accept(middle_time)
-        with coupling.points.keep() as middle:
-            coupling.sweep(JACOBI, coupling.wiring.all, middle_time, length - half)
-            continued = coupling.state.values.copy()
-            coupling.points.restore(middle)
-            iterations = max(iterations, master.step(coupling, middle_time, length - half).iterations)
-        error = (coupling.state.values - continued) / (1.0 - shares)
-        return Attempt(iterations, error, exponent(coupling, degree), parts=2)
-
-
-class PredictorCorrector:
+def correct_prediction(coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
     """Milne's device for a coupled step; costs nothing beyond the iterated step itself.
 
     The first sweep used extrapolated signals, the last one interpolated ones. Both errors are the same
@@ -210,67 +144,23 @@ class PredictorCorrector:
     Outputs with feedthrough were made consistent with their inputs before they are compared. Next to
     the start or an event signals go without rates, or through fewer points: step doubling.
     """
-
-    def check(self, master: Master) -> None:
-        if not master.implicit:
-            raise ValueError(
-                "estimator = 'predictor_corrector': needs a master that corrects; use iterated, or the "
-                "estimator schierz or step_doubling"
-            )
-
-    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
-        history, highest = coupling.state.history, coupling.wiring.degree
-        if history.lacks(highest) or (highest == 3 and not history.end_smooth.all()):
-            return StepDoubling().attempt(coupling, master, time, length)
-        degree = effective_degree(coupling)
-        predictor = extrapolation_nodes(history, degree).integral(0.0, length)
-        corrector = interpolation_nodes(history, degree, length).integral(0.0, length)
-        made = master.step(coupling, time, length)
-        assert made.predicted is not None  # the master is implicit
-        # Of what was not iterated the two are equal.
-        difference = made.predicted - coupling.state.values
-        share = corrector / (predictor - corrector)
-        return Attempt(made.iterations, difference * share, degree + 2.0)
+    history, highest = coupling.state.history, coupling.wiring.degree
+    if history.lacks(highest) or (highest == 3 and not history.end_smooth.all()):
+        return double_step(coupling, master, time, length)
+    degree = effective_degree(coupling)
+    predictor = extrapolation_nodes(history, degree).integral(0.0, length)
+    corrector = interpolation_nodes(history, degree, length).integral(0.0, length)
+    made = master.step(coupling, time, length)
+    assert made.predicted is not None  # the master is implicit
+    # Of what was not iterated the two are equal.
+    difference = made.predicted - coupling.state.values
+    share = corrector / (predictor - corrector)
+    return Attempt(made.iterations, difference * share, degree + 2.0)
 
 
-class EnergyResidual:
-    """Energy that the coupling creates in the step at every power bond, from the residual power at its end.
-
-    Sadjina et al. 2017.
-
-    One side works with its own effort and the flow that it assumed, the other with its own flow and the
-    effort that it assumed; the difference of the two powers is created by the coupling. It grows over the
-    step as the signals' node polynomial does, which gives its integral. The energy counts as an error of
-    the effort: over the step and the flow (or its nominal size if that is larger). For Jacobi masters: where
-    signals are interpolated both sides agree at the end. Sees only what is exchanged over power bonds.
-    """
-
-    def check(self, master: Master) -> None:
-        refuse_interpolation("energy", "both sides", master)
-
-    def attempt(self, coupling: Coupling, master: Master, time: float, length: float) -> Attempt:
-        if coupling.state.history.lacks(coupling.wiring.degree):
-            return StepDoubling().attempt(coupling, master, time, length)
-        degree = effective_degree(coupling)
-        nodes = extrapolation_nodes(coupling.state.history, degree)
-        mean = nodes.integral(0.0, length) / (length * nodes(length))
-        iterations = master.step(coupling, time, length).iterations
-        assumed, rates = np.zeros_like(coupling.state.values), np.zeros_like(coupling.state.rates)
-        evaluate(coupling.signals, length, assumed, rates)
-        error = np.zeros_like(coupling.state.values)
-        for bond in find_exchanged_bonds(coupling.wiring.system):
-            effort, flow = coupling.wiring.number[bond.effort], coupling.wiring.number[bond.flow]
-            e, f = coupling.state.values[effort], coupling.state.values[flow]
-            residual = e * assumed[flow] - assumed[effort] * f
-            error[effort] += mean * residual / max(abs(f), coupling.wiring.nominal[flow])
-        return Attempt(iterations, error, degree + 1.0)
-
-
-ESTIMATORS: dict[str, type[Estimator]] = {
-    "step_doubling": StepDoubling,
-    "schierz": Schierz,
-    "predictor_corrector": PredictorCorrector,
-    "energy": EnergyResidual,
+# By name: each makes the step from a time, inside `coupling.points.keep()` there, and does not accept its end
+# into the history; values, rates and signals of the coupling are then those at the end.
+ESTIMATORS: dict[str, Callable[[Coupling, Master, float, float], Attempt]] = {
+    "step_doubling": double_step,
+    "predictor_corrector": correct_prediction,
 }
-
-__all__ = ["ESTIMATORS", "Attempt", "Estimator"]

@@ -130,7 +130,7 @@ STOP = 1.0
 
 # Step control over explicit and implicit masters, by every estimator that suits two masses.
 CONTROLLED = {
-    "jacobi, schierz": (Jacobi("quadratic"), "schierz"),
+    "jacobi, step_doubling": (Jacobi("quadratic"), "step_doubling"),
     "gauss_seidel, step_doubling": (GaussSeidel("quadratic"), "step_doubling"),
     "iterated, predictor_corrector": (Iterated("hermite"), "predictor_corrector"),
 }

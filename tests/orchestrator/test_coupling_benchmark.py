@@ -144,9 +144,9 @@ def test_step_controlled_hermite_coupling_takes_at_most_a_hundred_steps_for_the_
 @pytest.mark.parametrize(
     ("master", "estimator", "order"),
     [
-        pytest.param(Jacobi("linear"), "schierz", 2, marks=pytest.mark.long),
-        pytest.param(Jacobi("quadratic"), "schierz", 3, marks=pytest.mark.long),
-        (Jacobi("hermite"), "schierz", 4),
+        pytest.param(Jacobi("linear"), "step_doubling", 2, marks=pytest.mark.long),
+        pytest.param(Jacobi("quadratic"), "step_doubling", 3, marks=pytest.mark.long),
+        (Jacobi("hermite"), "step_doubling", 4),
         (GaussSeidel("hermite"), "step_doubling", 4),
         (Iterated("hermite", 1e-10), "predictor_corrector", 4),
         pytest.param(Iterated("hermite", 1e-10), "step_doubling", 4, marks=pytest.mark.long),

@@ -143,16 +143,6 @@ def test_an_unknown_key_of_any_table_is_one_message(table):
         load("valve-train", [f"{table}.colour=1"])
 
 
-def test_the_energy_residual_needs_an_exchanged_power_bond():
-    """The quarter car's bond has a force that is not exchanged: no error would be seen, whatever the step."""
-    changes = ["master={name='jacobi'}", "step_control={estimator='energy'}"]
-    with pytest.raises(
-        ScenarioError, match=r"step_control\.estimator = 'energy': no power bond .* use schierz"
-    ):
-        build_system(load("quarter-car", changes))
-    build_system(load("two-masses", changes))
-
-
 @pytest.mark.parametrize("start", ["given", "equilibrium"])
 def test_a_start_outside_the_walls_is_one_message(start):
     """At the flywheel's start angle, before anything is stepped; in-process participants say the same."""

@@ -88,7 +88,6 @@ def test_errors_by_refinement_are_those_against_the_monolithic_reference(master,
         ("jacobi", "linear", "step_doubling", 2.0),
         pytest.param("gauss_seidel", "linear", "step_doubling", 2.0, marks=pytest.mark.long),
         pytest.param("gauss_seidel", "linear", "defect", 2.0, marks=pytest.mark.long),
-        pytest.param("jacobi", "linear", "schierz", 2.0, marks=pytest.mark.long),
         pytest.param("jacobi", "linear", "defect", 2.0, marks=pytest.mark.long),
     ],
 )
@@ -284,10 +283,6 @@ def test_what_it_cannot_promise_is_said_before_the_run(tmp_path):
     ("changes", "said"),
     [
         ({"step_control": {}}, r"set step_control\.estimator = 'defect'"),
-        (
-            {"step_control": {"estimator": "energy"}, "master": {"name": "jacobi"}, "connections": []},
-            "use schierz or step_doubling",
-        ),
         ({"step_control": {"estimator": "defect"}, "event_tolerance": 1e-6}, "makes no step again"),
     ],
 )

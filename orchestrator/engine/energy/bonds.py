@@ -37,9 +37,3 @@ def find_bonds(system: System) -> list[Bond]:
             sign = own.sign if effort.instance == name else -own.sign
             found.setdefault((effort, flow), Bond(effort, flow, sign)).declared.setdefault(name, own)
     return list(found.values())
-
-
-def find_exchanged_bonds(system: System) -> list[Bond]:
-    """The bonds whose effort and flow are both exchanged over connections."""
-    sources = {connection.source for connection in system.connections}
-    return [bond for bond in find_bonds(system) if bond.effort in sources and bond.flow in sources]
