@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from models.core.errors import suggestion
 from models.core.quantities import INPUT_COEFFICIENTS, Field, Quantity
 
 if TYPE_CHECKING:  # which imports a compiler, that the process of an FMU does without
@@ -29,7 +29,7 @@ def find_missing(path: Path, names: Iterable[str]) -> list[str]:
     known = list(description.variables)
     absent = [name for name in names if name not in known]
     model = f"the FMU of {description.model} has no variable"
-    return [f"{model} {name!r}{_suggest(name, known)}" for name in absent]
+    return [f"{model} {name!r}; {suggestion(name, known)}" for name in absent]
 
 
 def uses_event_mode(about: Description) -> bool:
@@ -75,11 +75,6 @@ def signal_degrees(about: Description, names: Iterable[str]) -> list[int]:
 def name_derivative(name: str, order: int) -> str:
     """The name of the input that takes the derivative of that order of the input `name`."""
     return Field(name, Quantity("1", ""), 0.0).add_suffix(f"_der{order}")
-
-
-def _suggest(name: str, known: Sequence[str]) -> str:
-    close = difflib.get_close_matches(name, known, n=1)
-    return f" (has it {close[0]}?)" if close else ""
 
 
 def find_highest_degrees(connections: Sequence[Connection], followed: Mapping[Port, int]) -> dict[Port, int]:

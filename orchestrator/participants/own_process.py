@@ -11,6 +11,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, NoReturn
@@ -47,6 +48,11 @@ class Limits:
 
 
 NO_LIMITS = Limits()
+
+
+def ask(method: str, read: Callable[[Any], Any] = lambda found: found) -> Any:
+    """A method of an `OwnProcess` that its process carries out; `read` makes the result of the answer."""
+    return lambda unit, **arguments: read(unit._call(method, **arguments))
 
 
 class OwnProcess:
@@ -96,8 +102,7 @@ class OwnProcess:
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._call("initialise", start_time=start_time, stop_time=stop_time)
 
-    def finish_initialisation(self) -> None:
-        self._call("finish_initialisation")
+    finish_initialisation = ask("finish_initialisation")
 
     def _ask(self, kind: bytes, *parts: Any) -> bytes:
         """Send a message and return the answer; raise the error that it contains."""

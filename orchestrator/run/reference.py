@@ -30,8 +30,7 @@ from models.core.quantities import Vector
 from ..engine.observer import Observer
 from ..engine.step import Step
 from ..participants.description import MODEL_EXCHANGE
-from ..participants.model_exchange.equations import FmuEquations
-from ..participants.model_exchange.in_own_process import open_equations
+from ..participants.model_exchange.in_own_process import FmuEquations, open_equations
 from ..participants.open_fmu import collect_settings
 from ..reporter import REFERENCE, Reporter
 from ..scenario.capabilities import BY_PARTS, MONOLITHIC, REFINEMENT

@@ -5,13 +5,16 @@ from .controlled import DEFECT, JUDGES, ControlledSteps, StepControl, check_esti
 from .fixed import FixedSteps, RefinedSteps
 from .forward import ForwardSteps
 from .locator import list_event_outputs
-from .protocol import Stepper
 
 __all__ = [
     "DEFECT", "JUDGES", "REASONS", "STOP", "ControlledSteps", "FixedSteps", "ForwardSteps",
     "RefinedSteps", "Step", "StepControl", "Stepper", "check_estimator", "control_steps",
     "list_event_outputs",
 ]  # fmt: skip
+
+
+# Makes macro steps one after the other.
+Stepper = FixedSteps | ControlledSteps | ForwardSteps
 
 
 def control_steps(first_step: float, control: StepControl) -> ControlledSteps | ForwardSteps:

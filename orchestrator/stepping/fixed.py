@@ -30,9 +30,11 @@ class FixedSteps:
 
     @property
     def locates(self) -> bool:
+        """Whether it looks for events."""
         return self._event_tolerance is not None
 
     def begin(self, coupling: Coupling, master: Master, start: float, stop: float) -> None:
+        """Before the first step."""
         self._coupling, self._master = coupling, master
         self._start, self._stop = start, stop
         self._guard = RunawayGuard(coupling, master)
@@ -40,6 +42,7 @@ class FixedSteps:
             self._locator = Locator(coupling, self._event_tolerance)
 
     def step(self, time: float) -> Step:
+        """The next step from `time`, accepted into the coupling; RunError where none can be made."""
         end, reason = self._end(time)
         if self._locator is not None:
             return self._locate_step(time, end, reason, self._locator)
@@ -115,9 +118,11 @@ class FixedSteps:
         return step
 
     def state(self) -> dict[str, Any]:
+        """All that decides the coming steps, as plain numbers."""
         return self._guard.state() | ({"last": self._locator.last} if self._locator else {})
 
     def resume(self, state: dict[str, Any]) -> None:
+        """After `begin`: go on as from that state."""
         self._guard.resume(state)
         if self._locator:
             self._locator.last = float(state["last"])

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 from fmpy.fmi2 import FMU2Model
 from fmpy.fmi3 import FMU3Model
@@ -17,53 +17,6 @@ from ..description import REALS, Description
 from ..fmi2 import Fmi2
 from ..fmi3 import Fmi3
 from ..opened_fmu import FmuSettings, OpenedFmu
-
-
-class FmuEquations(Protocol):
-    """An FMU as equations.
-
-    It is initialised, in event mode, or in continuous-time mode. Only in the last do time and states that
-    `outputs` is given go to the FMU, and only outside of it inputs that are no continuous numbers.
-    """
-
-    name: str
-    states: int
-    indicators: int
-
-    def initialise(self, start_time: float, stop_time: float) -> None:
-        """Enter initialisation mode, with all values that the settings have."""
-
-    def finish_initialisation(self) -> None:
-        """Go on to event mode."""
-
-    def outputs(self, t: float, x: Vector, u: Vector) -> Vector:
-        """All outputs; `u` are the driven inputs."""
-
-    def rate(self) -> Vector:
-        """The states' derivatives by time, where `outputs` was called last."""
-
-    def guards(self) -> Vector:
-        """The event indicators there, with the signs that they had after the last event."""
-
-    def enter_events(self) -> None:
-        """From continuous-time to event mode."""
-
-    def iterate(self) -> bool:
-        """One event iteration; whether the FMU needs another. EndedError if it ends the simulation."""
-
-    def leave_events(self) -> float:
-        """From event mode to continuous-time mode; the time of the next time event (s), or infinite."""
-
-    def complete_step(self) -> bool:
-        """An integrator's step ends where `outputs` was called last; whether the FMU asks for event mode."""
-
-    def get_states(self) -> Vector:
-        """The continuous states."""
-
-    def get_nominal(self) -> Vector:
-        """Their nominal sizes."""
-
-    def close(self) -> None: ...
 
 
 class _Fmi2(Fmi2):
@@ -86,7 +39,11 @@ def _with_library(description: Description) -> Description:
 
 
 class ExchangeFmu(OpenedFmu):
-    """Implements `FmuEquations` for the FMU at `path`, whose driven inputs are `inputs`."""
+    """The FMU at `path` as equations, whose driven inputs are `inputs`.
+
+    It is initialised, in event mode, or in continuous-time mode. Only in the last do time and states that
+    `outputs` is given go to the FMU, and only outside of it inputs that are no continuous numbers.
+    """
 
     instances: ClassVar[Mapping[str, Any]] = {"2.0": _Fmi2, "3.0": _Fmi3}
 
@@ -117,6 +74,7 @@ class ExchangeFmu(OpenedFmu):
         self._other_inputs.bind_set(self._errors.fail_to_set)
 
     def outputs(self, t: float, x: Vector, u: Vector) -> Vector:
+        """All outputs; `u` are the driven inputs."""
         self._time = t
         with self._errors.name_errors(f"equations at t = {t:.9g} s"):
             if self._exchange.continuous:
@@ -128,27 +86,33 @@ class ExchangeFmu(OpenedFmu):
             return self._outputs.get_values()
 
     def rate(self) -> Vector:
+        """The states' derivatives by time, where `outputs` was called last."""
         with self._errors.name_errors("derivatives"):
             return self._exchange.rate()
 
     def guards(self) -> Vector:
+        """The event indicators there, with the signs that they had after the last event."""
         with self._errors.name_errors("event indicators"):
             return self._exchange.guards()
 
     def enter_events(self) -> None:
+        """From continuous-time to event mode."""
         with self._errors.name_errors("event mode"):
             self._exchange.enter_events()
 
     def iterate(self) -> bool:
+        """One event iteration; whether the FMU needs another. EndedError if it ends the simulation."""
         with self._errors.name_errors("event mode"), self._name_end():
             return self._exchange.iterate()
 
     def leave_events(self) -> float:
+        """From event mode to continuous-time mode; the time of the next time event (s), or infinite."""
         with self._errors.name_errors("continuous-time mode"):
             self._exchange.leave_events()
             return self._exchange.next_event
 
     def complete_step(self) -> bool:
+        """An integrator's step ends where `outputs` was called last; whether the FMU asks for event mode."""
         with self._errors.name_errors("end of an integrator's step"), self._name_end():
             return self._exchange.complete_step()
 

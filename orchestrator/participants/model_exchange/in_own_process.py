@@ -10,22 +10,13 @@ from models.core.quantities import Vector
 
 from ..messages import ADVANCE, CALL, READ
 from ..opened_fmu import FmuSettings
-from ..own_process import Limits, OwnProcess
+from ..own_process import Limits, OwnProcess, ask
 from ..process import answer_call, serve
-from .equations import ExchangeFmu, FmuEquations
-
-
-def open_equations(
-    name: str, path: Path, settings: FmuSettings, inputs: tuple[str, ...], limits: Limits | None
-) -> FmuEquations:
-    """The equations of the FMU at `path` with these driven inputs; with `limits` in its own process."""
-    if limits is None:
-        return ExchangeFmu(name, path, settings, inputs)
-    return EquationsInOwnProcess(name, path, settings, limits, inputs)
+from .equations import ExchangeFmu
 
 
 class EquationsInOwnProcess(OwnProcess):
-    """Implements `FmuEquations` for the FMU at `path`, by an `ExchangeFmu` in another process."""
+    """Implements what `ExchangeFmu` does for the FMU at `path`, by one in another process."""
 
     server = __name__
 
@@ -44,26 +35,23 @@ class EquationsInOwnProcess(OwnProcess):
         self._doing = "derivatives"
         return np.frombuffer(self._ask(READ))
 
-    def guards(self) -> Vector:
-        return np.array(self._call("guards"))
+    guards, get_states, get_nominal = (
+        ask(name, np.array) for name in ("guards", "get_states", "get_nominal")
+    )
+    enter_events, iterate = ask("enter_events"), ask("iterate")
+    leave_events, complete_step = ask("leave_events"), ask("complete_step")
 
-    def enter_events(self) -> None:
-        self._call("enter_events")
 
-    def iterate(self) -> bool:
-        return bool(self._call("iterate"))
+FmuEquations = ExchangeFmu | EquationsInOwnProcess
 
-    def leave_events(self) -> float:
-        return float(self._call("leave_events"))
 
-    def complete_step(self) -> bool:
-        return bool(self._call("complete_step"))
-
-    def get_states(self) -> Vector:
-        return np.array(self._call("get_states"))
-
-    def get_nominal(self) -> Vector:
-        return np.array(self._call("get_nominal"))
+def open_equations(
+    name: str, path: Path, settings: FmuSettings, inputs: tuple[str, ...], limits: Limits | None
+) -> FmuEquations:
+    """The equations of the FMU at `path` with these driven inputs; with `limits` in its own process."""
+    if limits is None:
+        return ExchangeFmu(name, path, settings, inputs)
+    return EquationsInOwnProcess(name, path, settings, limits, inputs)
 
 
 class Server:

@@ -24,7 +24,7 @@ from ...errors import EndedError
 from ..third_party import NamedLayout
 from ..wrapping import Linear
 from .crossing import cross, leave_zeros
-from .equations import FmuEquations
+from .in_own_process import FmuEquations
 
 # Event iterations after which the system is taken to be stuck.
 MOST_ITERATIONS = 1000
