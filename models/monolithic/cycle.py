@@ -1,7 +1,8 @@
 """Steady cycles: motions of a system that repeat themselves after a period."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,32 @@ MOST_PERIODS = 60
 PATIENCE, SETTLING = 15, 5
 # Periods that Anderson's method combines, and those that only settle before.
 MEMORY, SETTLED = 6, 3
+# Slopes of a period are differences over this of scaled states. Motions that take more than so many periods
+# to settle are left as they are.
+DIFFERENCE, SLOWEST = 1e-4, 1e3
+
+# States at the instants `stops`, from a state at the first of `times`, to a tolerance.
+Move = Callable[[SystemProblem, Vector, Vector, Vector, float], Vector]
+
+
+def move_by_cvode(
+    problem: SystemProblem, x: Vector, times: Vector, stops: Vector, tolerance: float
+) -> Vector:
+    """States at `stops`, from `x` at the first; steps are no longer than the distances of `times`."""
+    z = problem.start(x)
+    stiff, longest = stiffness(problem, 0.0, z, times)
+    method = Cvode(problem, tolerance, stiff, longest)
+    return march(problem, method, z, 0.0, stops)[0] if problem.guard_count else method.along(z, stops)
+
+
+@dataclass(frozen=True)
+class Search:
+    """What moves a problem through a period, and the scaled state from which to go on behind one from a state
+    to another."""
+
+    problem: SystemProblem
+    move: Move = move_by_cvode
+    lead: Callable[[Vector, Vector], Vector] = lambda begin, end: end
 
 
 @dataclass(frozen=True)
@@ -70,7 +97,7 @@ def find_cycle(
     most_periods: int = MOST_PERIODS,
     tolerance: float = TOLERANCE,
     steady: float = STEADY,
-    problem: SystemProblem | None = None,
+    search: Search | None = None,
 ) -> Cycle:
     """The cycle of that period (s), from the state `start` (default: the system's start).
 
@@ -78,14 +105,13 @@ def find_cycle(
     others go on from where the last period ended, extrapolated by Anderson's method; where that leads to a
     state from which nothing can move, from the end itself, until a period changes no state by more than
     `steady`. Where it does not settle in `most_periods`, or would not at its rate, the period of the least
-    change is returned. `tolerance` is the integrator's, over nominal + |value|. A `problem` of the same
+    change is returned. `tolerance` is the integrator's, over nominal + |value|. A `search` for the same
     components and connections takes the system's values, so that nothing is compiled again. ModelError if a
     method fails.
     """
-    if problem is None:
-        problem = SystemProblem(system, counts_energies=False)
-    else:
-        problem.take(system)
+    search = search or Search(SystemProblem(system, counts_energies=False))
+    problem = search.problem
+    problem.take(system)
     times = np.linspace(0.0, period, samples + 1)
     n = system.state.size
     held = list_held(system, turning)
@@ -98,7 +124,7 @@ def find_cycle(
     states = np.zeros((0, n))
     while len(found) < most_periods:
         try:
-            rows = _move(problem, x, times, stops, tolerance)
+            rows = search.move(problem, x, times, stops, tolerance)
         except ModelError:
             if len(begun) < SETTLED:
                 raise
@@ -114,13 +140,39 @@ def find_cycle(
         if changes[-1] <= steady or is_hopeless(changes, most_periods, steady):
             break
         begun.append(scaling.flat(x))
-        ended.append(scaling.flat(end))
+        ended.append(search.lead(begun[-1], scaling.flat(end)))
         x = scaling.state(_extrapolate(begun[-MEMORY:], ended[-MEMORY:]), x)
     best = found[-1 - int(np.argmin(changes[::-1]))]
     if len(states) < times.size:
-        states = _move(problem, best.begin, times, times, tolerance)
+        states = search.move(problem, best.begin, times, times, tolerance)
     inputs, outputs = observe(problem.evaluation, times, states)
     return Cycle(system, times, inputs, outputs, best.end, best.change, len(found), states[:, :n])
+
+
+def learn_slopes(
+    search: Search, system: System, period: float, turning: Sequence[str], start: Vector, tolerance: float
+) -> Search:
+    """Newton's method from a steady cycle to those of near values. With the slopes Phi of its end by its
+    `start`, a period that misses its start by r moves the start by (I - Phi)^-1 r. Arguments as of
+    `find_cycle`. ModelError if a method fails."""
+    search.problem.take(system)
+    held, times = list_held(system, turning), np.array([0.0, period])
+    scaling = _Scaling(system, held)
+    x = np.where(held, system.x0, start)
+
+    def find_end(scaled: Vector) -> Vector:
+        rows = search.move(search.problem, scaling.state(scaled, x), times, times, tolerance)
+        return scaling.flat(rows[-1, : x.size])
+
+    begin = scaling.flat(x)
+    moved = [find_end(begin + step) - find_end(begin - step) for step in DIFFERENCE * np.eye(begin.size)]
+    opening = np.eye(begin.size) - np.array(moved).T / (2.0 * DIFFERENCE)
+    closing: Vector = np.asarray(np.linalg.pinv(opening, rcond=1.0 / SLOWEST), dtype=np.float64)
+    return replace(search, lead=partial(_close, closing))
+
+
+def _close(closing: Vector, begin: Vector, end: Vector) -> Vector:
+    return np.asarray(begin + closing @ (end - begin))
 
 
 class _Period(NamedTuple):
@@ -137,14 +189,6 @@ def is_hopeless(changes: Sequence[float], most_periods: int = MOST_PERIODS, stea
     ratio, wanted = min(last) / min(before), steady / min(last)
     left = (most_periods - len(changes)) / PATIENCE
     return ratio > 0.5 and ratio**left > wanted
-
-
-def _move(problem: SystemProblem, x: Vector, times: Vector, stops: Vector, tolerance: float) -> Vector:
-    """States at `stops`, from `x` at the first; steps are no longer than the distances of `times`."""
-    z = problem.start(x)
-    stiff, longest = stiffness(problem, 0.0, z, times)
-    method = Cvode(problem, tolerance, stiff, longest)
-    return march(problem, method, z, 0.0, stops)[0] if problem.guard_count else method.along(z, stops)
 
 
 class _Scaling:

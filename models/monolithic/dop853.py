@@ -69,9 +69,9 @@ class JudgedDop853(DOP853):  # type: ignore[misc]
     def _defect(self, h: float) -> float:
         """The largest element of the defect over the tolerance."""
         z = np.empty(self.n)
-        _inside(self._u.F, self.y_old, z)
+        inside(self._u.F, self.y_old, z)
         rate = self.fun(self.t_old + JUDGED * h, z)
-        return _defect_norm(self._u.F, h * rate, self.y_old, self.y, self._atol, self.rtol)
+        return defect_norm(self._u.F, h * rate, self.y_old, self.y, self._atol, self.rtol)
 
     def dense_output(self) -> Dop853DenseOutput:
         """The interpolant of the step just made."""
@@ -104,7 +104,7 @@ class CompiledDop853(JudgedDop853):
             t_new = min(t + h_abs, self.t_bound)
             h_abs = t_new - t
             self._evaluate(FIRST, END, t, y, h_abs)
-            error = _error_norm(self.K, h_abs, y, self._z, self._atol, self.rtol)
+            error = error_norm(self.K, h_abs, y, self._z, self._atol, self.rtol)
             factor = MAX_FACTOR if error == 0.0 else SAFETY * error**self.error_exponent
             if error < 1.0:
                 self.h_previous, self.y_old = h_abs, y
@@ -118,12 +118,12 @@ class CompiledDop853(JudgedDop853):
     def _dense_output_impl(self) -> Any:
         self._evaluate(END, INTERPOLANT, self.t_old, self.y_old, self.h_previous)
         F = np.empty((table.INTERPOLATOR_POWER, self.n))
-        _interpolant(self.K_extended, self.h_previous, self.y_old, self.y, self.f, F)
+        interpolant(self.K_extended, self.h_previous, self.y_old, self.y, self.f, F)
         return Dop853DenseOutput(self.t_old, self.t, self.y_old, F)
 
 
 @kernel
-def _inside(F: Any, y_old: Any, z: Any) -> None:
+def inside(F: Any, y_old: Any, z: Any) -> None:
     """z = u at JUDGED."""
     for i in range(z.shape[0]):
         z[i] = y_old[i]
@@ -132,7 +132,7 @@ def _inside(F: Any, y_old: Any, z: Any) -> None:
 
 
 @kernel
-def _defect_norm(F: Any, change: Any, y_old: Any, y: Any, atol: Any, rtol: float) -> float:
+def defect_norm(F: Any, change: Any, y_old: Any, y: Any, atol: Any, rtol: float) -> float:
     """The largest element of `change`, h times the rate at JUDGED, less that of u, over the tolerance."""
     largest = 0.0
     for i in range(y.shape[0]):
@@ -146,7 +146,7 @@ def _defect_norm(F: Any, change: Any, y_old: Any, y: Any, atol: Any, rtol: float
 
 
 @kernel
-def _error_norm(K: Any, h: float, y: Any, z: Any, atol: Any, rtol: float) -> float:
+def error_norm(K: Any, h: float, y: Any, z: Any, atol: Any, rtol: float) -> float:
     """Estimate of order 5, damped by that of order 3, over the tolerance; a step is kept below 1."""
     fifth = third = 0.0
     for i in range(y.shape[0]):
@@ -163,7 +163,7 @@ def _error_norm(K: Any, h: float, y: Any, z: Any, atol: Any, rtol: float) -> flo
 
 
 @kernel
-def _interpolant(K: Any, h: float, y_old: Any, y: Any, f: Any, F: Any) -> None:
+def interpolant(K: Any, h: float, y_old: Any, y: Any, f: Any, F: Any) -> None:
     """Coefficients of the continuous extension of order 7 over the step just made."""
     for i in range(y.shape[0]):
         change, slope = y[i] - y_old[i], K[0, i]
