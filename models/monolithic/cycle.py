@@ -27,6 +27,8 @@ MEMORY, SETTLED = 6, 3
 # Slopes of a period are differences over this of scaled states. Motions that take more than so many periods
 # to settle are left as they are.
 DIFFERENCE, SLOWEST = 1e-4, 1e3
+# What is left of I - Phi where nothing ends a motion; of singular values as a share of the largest.
+NEUTRAL = 1e-11
 
 # States at the instants `stops`, from a state at the first of `times`, to a tolerance.
 Move = Callable[[SystemProblem, Vector, Vector, Vector, float], Vector]
@@ -167,8 +169,18 @@ def learn_slopes(
     begin = scaling.flat(x)
     moved = [find_end(begin + step) - find_end(begin - step) for step in DIFFERENCE * np.eye(begin.size)]
     opening = np.eye(begin.size) - np.array(moved).T / (2.0 * DIFFERENCE)
-    closing: Vector = np.asarray(np.linalg.pinv(opening, rcond=1.0 / SLOWEST), dtype=np.float64)
+    closing = close_period(opening, np.eye(begin.size), 1.0 / SLOWEST)
     return replace(search, lead=partial(_close, closing))
+
+
+def close_period(opening: Vector, right: Vector, neutral: float = NEUTRAL) -> Vector:
+    """Changes of the start that close the cycle. States that nothing moves, as those of a rigid shaft, keep
+    their start; of motions that nothing ends, what is not moved is the smallest. Of these rows of I - Phi and
+    singular values are below `neutral`."""
+    moves = np.any(np.abs(opening) > neutral, axis=1)
+    found = np.zeros_like(right)
+    found[moves] = np.linalg.lstsq(opening[np.ix_(moves, moves)], right[moves], rcond=neutral)[0]
+    return found
 
 
 def _close(closing: Vector, begin: Vector, end: Vector) -> Vector:

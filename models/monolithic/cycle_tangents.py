@@ -14,14 +14,12 @@ from threadpoolctl import threadpool_limits
 
 from ..core.quantities import Vector
 from ..core.system import ModelError, System
-from .cycle import list_held
+from .cycle import close_period, list_held
 from .slopes import Slopes
 from .variation import STATES, Flow, Progress, Variation
 
 # A period changes no state by more than this of nominal + |value|; Newton's method is at rounding after few.
 CLOSED, ITERATIONS = 1e-10, 6
-# Singular values of I - Phi below this share of the largest belong to motions that nothing ends.
-NEUTRAL = 1e-11
 
 
 @dataclass(frozen=True)
@@ -208,12 +206,3 @@ def _find_slopes(system: System, directions: Sequence[Direction]) -> Slopes:
     return Slopes(
         system, [[(index[name], size) for name, size in one.parameters.items()] for one in directions]
     )
-
-
-def close_period(opening: Vector, right: Vector) -> Vector:
-    """Changes of the start that close the cycle. States that nothing moves, as those of a rigid shaft, keep
-    their start; of motions that nothing ends, what is not moved is the smallest."""
-    moves = np.any(np.abs(opening) > NEUTRAL, axis=1)
-    found = np.zeros_like(right)
-    found[moves] = np.linalg.lstsq(opening[np.ix_(moves, moves)], right[moves], rcond=NEUTRAL)[0]
-    return found

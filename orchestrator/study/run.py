@@ -20,8 +20,8 @@ from .source import compute_fingerprint
 from .store import DONE, FAILED, PENDING, Store, open_store
 
 COMPLETE, SOME_FAILED = 0, 1
-# Results are written so often (s): a file for each of them takes a tenth of a second together.
-WRITE_S = 1.0
+# Results are written so often (s), and for at most this share of the time: a file for each takes its time.
+WRITE_S, WRITING = 1.0, 0.02
 
 
 @dataclass(frozen=True)
@@ -89,13 +89,14 @@ def _evaluate(execution: Execution, store: Store, bar: Bar) -> None:
 
     show()
     try:
-        written = clock.monotonic()
+        next_write = clock.monotonic() + WRITE_S
         for batch in execution.outcomes(store.pending()):
             for index, outcome in batch:
                 store.record(index, outcome)
-            if clock.monotonic() > written + WRITE_S:
+            if (begun := clock.monotonic()) > next_write:
                 store.flush()
-                written = clock.monotonic()
+                now = clock.monotonic()
+                next_write = now + max(WRITE_S, (now - begun) / WRITING)
             show()
     finally:
         store.flush()

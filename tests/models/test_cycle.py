@@ -9,6 +9,7 @@ import pytest
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from models.monolithic import cycle as cycle_module
+from models.monolithic.compiled_march import CompiledMarch
 from models.monolithic.cycle import (
     MOST_PERIODS,
     PATIENCE,
@@ -16,13 +17,17 @@ from models.monolithic.cycle import (
     SETTLING,
     STEADY,
     TOLERANCE,
+    close_period,
     find_cycle,
     is_hopeless,
+    move_by_cvode,
 )
-from models.monolithic.cycle_tangents import Direction, close_period, differentiate_cycle
+from models.monolithic.cycle_tangents import Direction, differentiate_cycle
 from models.monolithic.equilibrium import equilibrium
 from models.monolithic.problem import SystemProblem
+from models.monolithic.reference import observe
 from orchestrator.study.speeds.separation import CLOSE, _count_halvings, bisect_separation
+from tests.fmus.native.bouncing_ball import bouncing_ball
 
 from .systems import DRY, column, run, turn, valve_train, wheel
 
@@ -115,6 +120,26 @@ def test_a_cycle_is_the_motion_that_one_waits_for():
     waited = column(system, run(SystemProblem(system), equilibrium(system), times)[1:], "contact.load")
     # Both integrators are good to 1e-8 of nominal sizes, the cycle to 1e-5 of the states: 0.05 N of load.
     np.testing.assert_allclose(cycle["contact.load"], waited, atol=0.05)
+
+
+def test_a_march_in_compiled_code_is_the_motion_at_all_samples():
+    """Where the follower leaves its cam and lands again, too. Errors of some 500 steps add up."""
+    system = valve_train(3600.0, contact=DRY)
+    problem, x = SystemProblem(system, counts_energies=False), equilibrium(system)
+    times, march = np.linspace(0.0, turn(3600.0), 721), CompiledMarch(problem)
+    exact = move_by_cvode(problem, x, times, times, 1e-12)
+    assert (column(system, observe(problem.evaluation, times, exact)[1], "contact.load") == 0.0).any()
+    for tolerance in (1e-6, 1e-8):
+        error = np.abs(march(problem, x, times, times, tolerance) - exact) / (problem.nominal + np.abs(exact))
+        assert error.max() < 1000.0 * tolerance
+
+
+def test_a_motion_with_events_is_marched_by_cvode():
+    system = System({"ball": Instance(bouncing_ball(), {"restitution": 0.8, "threshold": 0.0})}, [])
+    problem, times = SystemProblem(system, counts_energies=False), np.linspace(0.0, 2.0, 5)
+    rows = [move(problem, system.x0, times, times, 1e-8) for move in (CompiledMarch(problem), move_by_cvode)]
+    assert rows[0][-1, system.state.names.index("ball.bounces")] > 0.0
+    np.testing.assert_array_equal(*rows)
 
 
 def test_a_motion_that_does_not_settle_is_returned_as_such():
