@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from models.compile.compiled import compiled
 from models.core.quantities import Vector
+from models.monolithic.cycle import STEADY
 
 if TYPE_CHECKING:
     import xarray  # takes long to import
@@ -76,6 +77,11 @@ def find_lost(table: xarray.Dataset, number: str = "lost") -> NDArray[np.bool_]:
     """By speed, whether any contact has this share."""
     shares = [table[name].values for name in list_shares(table, number)]
     return np.any(np.reshape(shares, (len(shares), table.sizes["speed"])) > 0.0, axis=0)
+
+
+def find_unsteady(table: xarray.Dataset) -> Vector:
+    """The speeds (rad/s) at which no steady cycle was found."""
+    return np.asarray(table["speed"].values[table["change"].values > STEADY] if "change" in table else [])
 
 
 def bound_speeds(speeds: Vector, separation: float | None) -> Vector:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from models.core.quantities import Vector
 
 from ..assessment.friction.losses import describe_content
-from ..assessment.lost_contact import bound_speeds, find_lost
+from ..assessment.lost_contact import bound_speeds, find_lost, find_unsteady
 from .style import (
     ACCENT,
     COUPLED,
@@ -85,6 +85,7 @@ def draw_summary(
     lost = any(find_lost(table).any() for table in tables.values())
     title = " and ".join(tables) + (" (dashed)" if len(tables) > 1 else " over speed")
     title += "; shaded where contact is lost: there curves may leave the frame" * lost
+    title += "; open points: no steady cycle" * any(find_unsteady(table).size for table in tables.values())
     figure, panels = create_panels(len(shown), title)
     for panel, (title, scale, names) in zip(panels, shown, strict=True):
         for table, line in zip(tables.values(), ("solid", "dashed"), strict=False):
@@ -180,13 +181,17 @@ def _draw_curves(axes: Axes, scale: float, names: list[str], table: xarray.Datas
 
 
 def plot_over_speed(axes: Axes, table: xarray.Dataset, name: str, scale: float, **style: Any) -> None:
-    """A curve with its points; none is drawn from a speed with contact to one at which it is lost."""
+    """A curve with its points, open ones of cycles that are not steady; none is drawn from a speed with
+    contact to one at which it is lost."""
     lost = find_lost(table)
     breaks = np.flatnonzero(lost[1:] != lost[:-1]) + 1
     rpm, values = (
         np.insert(one, breaks, np.nan) for one in (RPM * table["speed"].values, scale * table[name].values)
     )
-    axes.plot(rpm, values, marker=".", ms=3.0, **style)
+    (line,) = axes.plot(rpm, values, marker=".", ms=3.0, **style)
+    if (unsteady := find_unsteady(table)).size:
+        at = scale * table[name].sel(speed=unsteady).values
+        axes.plot(RPM * unsteady, at, "o", ms=5.0, mfc="white", mec=line.get_color(), mew=0.8)
 
 
 def shade_lost(axes: Axes, table: xarray.Dataset, separation: float | None) -> None:
@@ -292,6 +297,8 @@ STYLES: dict[str, Any] = {
 }  # fmt: skip
 # Widths of the first design's curves and the last one's, which leave each other to be seen where they agree.
 WIDEST, NARROWEST = 3.0, 1.0
+# So many designs have shades of one scale; more have hues.
+SHADES = 5
 
 
 def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
@@ -303,8 +310,10 @@ def draw_variants(tables: Mapping[str, xarray.Dataset]) -> Figure:
             shown.append((title, scale, names))
     lost = any(find_lost(table).any() for table in tables.values())
     title = "Designs over speed" + "; shaded where one loses contact" * lost
+    title += "; open points: no steady cycle" * any(find_unsteady(table).size for table in tables.values())
     figure, panels = create_panels(len(shown), title, below=0.4)
-    colours = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(tables)))
+    shades = matplotlib.colormaps["viridis"](np.linspace(0.0, 0.9, len(tables)))
+    colours = shades if len(tables) <= SHADES else matplotlib.colormaps["tab20"](np.arange(len(tables)) % 20)
     widths = np.linspace(WIDEST, NARROWEST, len(tables)) if len(tables) > 1 else [NARROWEST]
     used: set[str] = set()
     for panel, (title, scale, names) in zip(panels, shown, strict=True):

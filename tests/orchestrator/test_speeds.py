@@ -2,6 +2,7 @@
 
 import csv
 import html
+from io import StringIO
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import xarray
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.console import Console
 
 import tribocosim
 from models.catalogue import CATALOGUE
@@ -16,14 +18,15 @@ from models.core.system import ModelError
 from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
-from orchestrator.plots.speeds import find_orders
+from orchestrator.plots.speeds import draw_summary, find_orders
+from orchestrator.reporter import Reporter
 from orchestrator.scenario.files import load, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
-from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table
+from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table, report_cycles
 from tribocosim.reporting import SilentReporter
 
 from .commands import called, said
@@ -141,6 +144,18 @@ def test_it_tells_the_speed_of_separation(swept):
     rows = {line.split("│")[1].strip(): line for line in said_text.splitlines() if line.startswith("│")}
     assert "contact lost" in rows["3400"]
     assert "contact lost" not in rows["1000"]
+
+
+def test_contacts_that_are_lost_are_named_below_a_narrow_table():
+    """Each once; a lost speed takes one line."""
+    numbers = {"cam.lost": [0.0, 0.1, 0.1], "tip.lost": [0.0, 0.0, 0.2], "change": [0.0, 0.0, 0.0]}
+    table = xarray.Dataset(
+        {n: ("speed", v) for n, v in numbers.items()}, {"speed": np.array([1, 2, 3]) / RPM}
+    )
+    text = StringIO()
+    report_cycles(Reporter(Console(file=text, width=60)), table)
+    assert len([line for line in text.getvalue().splitlines() if line.startswith("│")]) == 3
+    assert "contact is lost in cam at 2 r/min\ncontact is lost in cam, tip at 3 r/min" in text.getvalue()
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,14 @@
 """Sweeps of several designs, side by side."""
 
 import csv
+import itertools
 import signal
 from contextlib import suppress
 from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 import xarray
@@ -71,17 +73,13 @@ def test_a_number_that_only_a_later_design_has_has_its_column():
 
 
 def test_designs_have_what_a_spring_lash_oil_or_law_is_chosen_by(tmp_path):
-    """Each number with its unit, speed and angle. Of contacts each is named; of many the printed table has
-    the worst."""
+    """Each number with its unit, speed and angle, and the values that vary as numbers. Of contacts each is
+    named; of many the printed table has the worst. A separation that was not looked for has a bound, and
+    speeds without a steady cycle are told."""
     pa, deg = (
-        {"units": "Pa", "long_name": "largest pressure"},
-        {"units": "rad", "long_name": "cam angle of it"},
+        {"units": unit, "long_name": name} for unit, name in (("Pa", "largest pressure"), ("rad", "it"))
     )
-    numbers = {
-        "valve.largest_lift": [8e-3, 7e-3],
-        "spring.least_gap": [2e-3, 1e-3],
-        "drive.mean_torque": [1, 2],
-    }
+    numbers = {"valve.largest_lift": [8e-3, 7e-3], "spring.least_gap": [2e-3, 1e-3], "change": [1e-6, 0.1]}
     numbers |= {"whole train.friction_power": [3.0, 4.0], "bearing.peak_pressure": [9e9, 9e9]}
     table = {name: ("speed", of, {"units": "m"} if max(of) < 0.1 else {}) for name, of in numbers.items()}
     for number, name in enumerate(("cam", "pad", "tip"), 1):
@@ -92,21 +90,21 @@ def test_designs_have_what_a_spring_lash_oil_or_law_is_chosen_by(tmp_path):
         table[f"{name}.peak_pressure_angle"] = ("speed", np.radians([100.0, 130.0]), deg)
     swept = Swept(0, xarray.Dataset(table, {"speed": np.array([1000.0, 2000.0]) * np.pi / 30.0}), {})
     said = StringIO()
-    sweep_variants(
-        {Variant("a", ()): {}, Variant("b", ()): {}}, tmp_path, Reporter(Console(file=said, width=100)),
-        lambda tables, folder: swept,
-    )  # fmt: skip
+    designs = {variant: {} for variant in list_variants(["a.lash=0.1 mm,0.2 mm", "a.law=x,y", "a.n=1,2"])}
+    sweep_variants(designs, tmp_path, Reporter(Console(file=said, width=100)), lambda *given: swept)
     with (tmp_path / VARIANTS).open(encoding="utf-8-sig", newline="") as file:
-        (row, _) = csv.DictReader(file)
+        *_, row = csv.DictReader(file)
     pressures = {"largest pressure of tip [MPa]": "600", "largest pressure of tip, at [r/min]": "2000"}
-    known = pressures | {"cam angle of it of pad [deg]": "130", "nose film ratio of cam": "0.4"}
+    known = pressures | {"it of pad [deg]": "130", "nose film ratio of cam": "0.4"}
     known |= {"largest lift [m]": "0.007", "least gap [m]": "0.001", "friction power": "4"}
+    known |= {"design": "lash=0.2 mm, law=y, n=2", "lash [mm]": "0.2", "law": "y", "n": "2"}
+    known |= {"contact lost from [r/min]": "1000", "no steady cycle at [r/min]": "2000"}
     assert {head: row[head] for head in known} == known
+    assert "≤ 1000" in said.getvalue()
     assert "of bearing" not in said.getvalue()
-    shown = [line.split("│") for line in said.getvalue().splitlines() if "largest pressure" in line]
-    assert [[cell.strip() for cell in cells[1:3]] for cells in shown] == [
-        ["largest pressure of tip, MPa", "600 at 130°"]
-    ]
+    rows = [line.split("│") for line in said.getvalue().splitlines() if "600 at 130°" in line]
+    assert len(rows) == 2  # eight designs stand in two tables
+    assert all("largest pressure" in cells[1] for cells in rows)
     assert max(len(line) for line in said.getvalue().splitlines() if line.startswith("│")) <= 100
 
 
@@ -169,12 +167,22 @@ def test_a_number_in_a_table_has_no_exponent_and_no_negative_zero(value, shown):
     assert format_number(value) == shown
 
 
-def test_a_figure_has_a_colour_for_each_design():
-    tables = {name: make_swept(load, 1e9).table for name, load in (("a", 400.0), ("b", 500.0), ("c", 600.0))}
+@pytest.mark.parametrize("count", [3, 9])
+def test_a_figure_has_a_colour_for_each_design(count):
+    """Of many they differ by a tenth of a colour's range; points of cycles that are not steady are open."""
+    tables = {f"design {i}": make_swept(400.0 + i, 1e9).table for i in range(count)}
     figure = draw_variants(tables)
     (panel,) = figure.axes
-    assert len({str(line.get_color()) for line in panel.lines}) == 3
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["a", "b", "c"]
+    colours = [matplotlib.colors.to_rgb(line.get_color()) for line in panel.lines]
+    apart = [np.abs(np.subtract(*pair)).max() for pair in itertools.combinations(colours, 2)]
+    assert (len(colours), min(apart) > 0.1) == (count, True)
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == list(tables)
+    assert "open points" not in figure.get_suptitle()
+    unsteady = tables["design 0"].assign(change=("speed", [0.0, 0.1, 0.0]))
+    for drawn in (draw_variants({"a": unsteady}), draw_summary({"a": unsteady})):
+        (_, points) = drawn.axes[0].lines
+        assert (points.get_marker(), points.get_xdata()) == ("o", pytest.approx([RPM * 200.0]))
+        assert "open points: no steady cycle" in drawn.get_suptitle()
 
 
 def test_the_torques_of_a_design_differ_by_their_line_and_lost_contact_is_shaded():

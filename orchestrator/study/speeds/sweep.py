@@ -24,7 +24,7 @@ from ...assessment.adjusters import describe_over_speed
 from ...assessment.contacts.lines import FED
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
-from ...assessment.lost_contact import find_lost, list_shares
+from ...assessment.lost_contact import find_lost
 from ...assessment.trains import list_parts, parameter_of
 from ...errors import MistakeError, Option
 from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
@@ -204,19 +204,22 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed."""
-    columns, lost = select_columns(table), find_lost(table)
+    columns, lost, places = select_columns(table), find_lost(table), dict[str, list[float]]()
     heads = (head for head, _, _ in columns)
-    marked = Column("cycle", no_wrap=not list_shares(table)[1:])
+    marked = Column("cycle", no_wrap=True)
     parts = dict.fromkeys(name.rpartition(".")[0] for _, name, _ in columns)
     title = f"Steady cycles: columns are of {', '.join(parts)}"
     shown = Table("r/min", *heads, marked, title=title, title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
-        place = name_lost(table.isel(speed=i))
-        marks = {f"contact lost{place}": lost[i], "not steady": table["change"][i] > STEADY}
+        if place := name_lost(table.isel(speed=i)):
+            places.setdefault(place, []).append(speed)
+        marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
         found = ", ".join(text for text, holds in marks.items() if holds) or "steady"
         shown.add_row(f"{speed * RPM:.0f}", *cells, found)
     reporter.console.print(shown)
+    for place, speeds in places.items():
+        reporter.line(f"contact is lost{place} at {list_speeds(np.array(speeds))}")
 
 
 def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:

@@ -5,7 +5,7 @@ import math
 import re
 import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from rich.table import Table
 from models.core.interruption import deferred, look
 
 from ...assessment.friction.shares import WHOLE
-from ...assessment.lost_contact import find_lost
+from ...assessment.lost_contact import find_lost, find_unsteady
 from ...errors import MistakeError, Option
 from ...plots.speeds import draw_variants
 from ...plots.style import save_figure
@@ -42,6 +42,8 @@ FEW = 2
 BESIDE, NARROW = 4, 13
 # From here on a description explains itself.
 EXPLAINED = re.compile("[,;:]| in radians")
+# A number with its unit.
+_NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?) *(.*)")
 # A value of several: commas in brackets and quotes are its own.
 _VALUE = re.compile(r"""(?:\[[^]]*\]|\{[^}]*\}|"[^"]*"|'[^']*'|[^,])+""")
 
@@ -52,6 +54,8 @@ class Variant:
 
     label: str
     settings: tuple[str, ...]
+    # Name and value of each setting that has several.
+    varied: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
     @property
     def folder(self) -> str:
@@ -68,14 +72,13 @@ def list_variants(settings: Sequence[str]) -> list[Variant]:
         values = _split(written) if equals else [written]
         short = path.strip().rpartition(".")[2]
         short = path.strip() if ends.count(short) > 1 else short
-        shown = [f"{short}={value}" if len(values) > 1 else "" for value in values]
-        choices.append(
-            [(label, f"{path}{equals}{value}") for label, value in zip(shown, values, strict=True)]
-        )
+        varied = [((short, value),) if len(values) > 1 else () for value in values]
+        choices.append([(pair, f"{path}{equals}{value}") for pair, value in zip(varied, values, strict=True)])
     found = []
     for combined in itertools.product(*choices):
-        label = ", ".join(short for short, _ in combined if short)
-        found.append(Variant(label, tuple(text for _, text in combined)))
+        pairs = tuple(pair for varied, _ in combined for pair in varied)
+        label = ", ".join(f"{short}={value}" for short, value in pairs)
+        found.append(Variant(label, tuple(text for _, text in combined), pairs))
     folders = [variant.folder for variant in found]
     if len(set(folders)) < len(folders):
         raise MistakeError((Option("set"), ": the same value twice"))
@@ -108,7 +111,7 @@ def sweep_variants(
                 look()
     finally:
         if swept := {label: one for label, one in found.items() if one.table.sizes["speed"]}:
-            _report(swept, out, reporter)
+            _report(swept, [one for one in designs if one.label in swept], out, reporter)
     return found
 
 
@@ -135,11 +138,11 @@ class Column:
 
     def write(self) -> Iterator[list[str]]:
         """Head and values of its columns: the number, its speed and its angle."""
-        yield [add_unit(self.head, self.shown), *(format_number(w.value) if w else "–" for w in self.worst)]
-        yield [f"{self.head}, at [r/min]", *(f"{w.speed_rpm:.0f}" if w else "–" for w in self.worst)]
+        yield [add_unit(self.head, self.shown), *(format_number(w.value) if w else "" for w in self.worst)]
+        yield [f"{self.head}, at [r/min]", *(f"{w.speed_rpm:.0f}" if w else "" for w in self.worst)]
         if self.angle:
             angles = (w.angle_deg if w else None for w in self.worst)
-            yield [f"{self.angle} [deg]", *("–" if a is None else format_number(a) for a in angles)]
+            yield [f"{self.angle} [deg]", *("" if a is None else format_number(a) for a in angles)]
 
 
 def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[Column]]:
@@ -186,26 +189,51 @@ def keep_contact(tables: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
     return same if lost.all() else [table.isel(speed=np.flatnonzero(~lost)) for table in same]
 
 
-def _report(swept: Mapping[str, Swept], out: Path, reporter: Reporter) -> None:
+def _find_lost_from(one: Swept) -> tuple[str, str]:
+    """The speed (r/min) of separation, "" for none, and as it is printed: where it was not looked for, the
+    lowest one that was computed without contact is a bound."""
+    if speed := (one.summary.get("separation") or {}).get("speed"):
+        return f"{speed:.0f}", f"{speed:.0f}"
+    lost = RPM * one.table["speed"].values[find_lost(one.table)]
+    return (f"{lost[0]:.0f}", f"≤ {lost[0]:.0f}") if lost.size else ("", "–")
+
+
+def _list_varied(variants: Sequence[Variant]) -> Iterator[list[str]]:
+    """Head and values of each setting that has several; numbers of one unit have it in the head."""
+    for pairs in zip(*(variant.varied for variant in variants), strict=True):
+        name, values = pairs[0][0], [value for _, value in pairs]
+        numbers = [_NUMBER.fullmatch(value) for value in values]
+        units = {number[2] if number else None for number in numbers}
+        if units <= {""} or None in units or len(units) > 1:
+            yield [name, *values]
+        else:
+            yield [f"{name} [{units.pop()}]", *(number[1] for number in numbers if number)]
+
+
+def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, reporter: Reporter) -> None:
     if not set.intersection(*(set(one.table["speed"].values) for one in swept.values())):
         reporter.line("the designs have no speed in common at which a cycle was found: no table of all")
         return
     speeds, columns = tabulate(swept)
-    separations = ((one.summary.get("separation") or {}).get("speed") for one in swept.values())
-    lost = ["–" if speed is None else f"{speed:.0f}" for speed in separations]
+    lost = [_find_lost_from(one) for one in swept.values()]
+    unsteady = [list(find_unsteady(one.table)) for one in swept.values()]
     for first in range(0, len(swept), BESIDE):
         several = slice(first, first + BESIDE)
         heads = (
             Head(label, overflow="fold", min_width=min(len(label), NARROW)) for label in [*swept][several]
         )
         shown = Table("worst", *heads, title=f"Worst from {speeds}, at ° of the cam", title_justify="left")
-        shown.add_row("contact lost from, r/min", *lost[several])
+        shown.add_row("contact lost from, r/min", *(text for _, text in lost[several]))
+        if any(unsteady):
+            shown.add_row("speeds without a steady cycle", *(str(len(one)) for one in unsteady[several]))
         for column in choose_shown(columns):
             shown.add_row(column.title, *(w.describe(False) if w else "–" for w in column.worst[several]))
         reporter.console.print(shown)
     rows = [
         ["design", *swept],
-        ["contact lost from [r/min]", *lost],
+        *_list_varied(variants),
+        ["contact lost from [r/min]", *(number for number, _ in lost)],
+        ["no steady cycle at [r/min]", *(" ".join(f"{RPM * v:.0f}" for v in one) for one in unsteady)],
         *(row for column in columns for row in column.write()),
     ]
     write_rows(out / VARIANTS, zip(*rows, strict=True))
