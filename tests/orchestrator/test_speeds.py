@@ -18,13 +18,14 @@ from models.core.system import ModelError
 from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
-from orchestrator.plots.speeds import draw_summary, find_orders
+from orchestrator.plots.speeds import find_orders
 from orchestrator.reporter import Reporter
 from orchestrator.scenario.files import load, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
+from orchestrator.study.speeds.separation import RPM
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
 from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table, report_cycles
 from tribocosim.reporting import SilentReporter
