@@ -6,8 +6,10 @@ import importlib.util
 import os
 import re
 import sys
+import traceback
 from collections import UserDict
 from collections.abc import Callable, MutableMapping
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
@@ -113,7 +115,16 @@ def import_own(name: str) -> Any:
     except (ImportError, AttributeError, OSError) as error:
         raise ValueError(f"{name}: cannot be imported ({error})") from None
     except (Exception, SystemExit) as error:
-        raise ValueError(f"{name}: its import fails with {type(error).__name__}: {error}") from None
+        raise ValueError(f"{name}: its import fails with {describe_failure(error)}") from None
+
+
+def describe_failure(error: BaseException) -> str:
+    """What an error in a user's own file is, with the line."""
+    others = tuple(str(Path(module).parent) for module in (__file__, importlib.__file__))
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames[1:] if not frame.filename.startswith((*others, "<frozen"))]
+    place = f" ({Path(own[-1].filename).name}, line {own[-1].lineno})" if own else ""
+    return f"{type(error).__name__}: {error}{place}"
 
 
 def _import_module(name: str) -> ModuleType:

@@ -146,14 +146,21 @@ class Component:
             if len(layout.variables) < layout.size:
                 name = next(name for name in layout.names if name not in layout.variables)
                 raise ValueError(f"{self.name}: {name} must not be internal: only states may be")
+        inputs, outputs = self.inputs.names, self.outputs.names
         named = [*self.event_indicators, self.event_counter, self.event_time, self.next_event]
         named += [name for role in self.roles for name in role.promised]
-        for name in named:
-            if name and name not in self.outputs:
-                raise ValueError(
-                    f"{self.name}: output {name!r}, for events or a role, must be one of "
-                    f"{', '.join(self.outputs.names)}"
-                )
+        for name, kind, known in (
+            *((name, "output {}, for events or a role,", outputs) for name in named if name),
+            *((name, "output {} of feedthrough", outputs) for name in self.feedthrough),
+            *((name, "input {} of feedthrough", inputs) for of in self.feedthrough.values() for name in of),
+            *(
+                (name, "variable {} of a bond", (*inputs, *outputs))
+                for one in self.bonds
+                for name in (one.effort, one.flow)
+            ),
+        ):
+            if name not in known:
+                raise ValueError(f"{self.name}: {kind.format(repr(name))} must be one of {', '.join(known)}")
 
     def find_role(self, kind: type[SomeRole]) -> SomeRole | None:
         """Its role of this kind; None if it has none."""

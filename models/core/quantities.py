@@ -155,6 +155,11 @@ class Quantity:
         low = max(self.minimum, 0.0) if (self.boolean or self.choices) else self.minimum
         return low, 1.0 if self.boolean else (len(self.choices) - 1.0 if self.choices else self.maximum)
 
+    def displace(self, value: float) -> float:
+        """Another allowed value, by the nominal size away; the same one where there is none."""
+        low, high = self.limits()
+        return next((m for m in (value + self.nominal, value - self.nominal) if low <= m <= high), value)
+
     def requirement(self) -> str:
         """What follows a value in a message: its unit, its meaning and the allowed range."""
         return f"{self._describe_unit()}: must be {self.describe_range()}"

@@ -110,11 +110,8 @@ class Proven:
         memory, kept = self._bound.inputs, self._bound.inputs.copy()
         for column, name in enumerate(self._bound.input_names):
             quantity = self._inputs.field(name).quantity
-            low, high = quantity.limits()
-            value = memory[0, column]
             if not quantity.jumps:
-                moved = (value + quantity.nominal, value - quantity.nominal)
-                memory[0, column] = next((m for m in moved if low <= m <= high), value)
+                memory[0, column] = quantity.displace(memory[0, column])
         try:
             yield
         finally:

@@ -7,10 +7,11 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from models.catalogue import CATALOGUE, find_factory, is_own
+from models.catalogue import CATALOGUE, describe_failure, find_factory, is_own
 from models.core.component import Component
+from models.core.kernel_check import check_kernels
 from models.core.quantities import Condition, Layout, Quantity
-from models.core.system import suggestion
+from models.core.system import ModelError, suggestion
 
 from ..errors import Fault, MistakeError, list_faults, one_of
 from .units import UnitError, is_bare, to_unit
@@ -126,11 +127,16 @@ def build_component(name: str, structure: tuple[tuple[str, int], ...] = ()) -> C
     except Exception as error:
         if not is_own(name):
             raise
-        raise ValueError(f"{name}: fails with {type(error).__name__}: {error}") from None
+        raise ValueError(f"{name}: fails with {describe_failure(error)}") from None
     if not isinstance(component, Component):
         raise ValueError(
             f"{name}: gives a {type(component).__name__}, must be a models.core.component.Component"
         )
+    if is_own(name):
+        try:
+            check_kernels(component)
+        except ModelError as error:
+            raise ValueError(f"{name}: {error}") from None
     return component
 
 

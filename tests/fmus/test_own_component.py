@@ -12,9 +12,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import tribocosim
-from models.catalogue import find_factory
+from models.catalogue import CATALOGUE, find_factory
+from models.core.kernel_check import check_kernels
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.system import build_system, list_moved_starts, resolve_start
+from orchestrator.scenario.values import build_component
 
 from ..orchestrator.commands import tribocosim as run_command
 
@@ -31,6 +33,16 @@ for k in range(200):
 ours = sorted({{name.partition(".")[0] for name in sys.modules}} & {{"models", "fmus", "my_parts"}})
 report([slave.get(["angle"])[0], ours])
 """
+
+# A kernel that another one passes its record, and an output that follows an input in some states only.
+HELPER = """
+@kernel
+def inertia_of(p: Parameters) -> float:
+    return p.mas * p.length**2
+"""
+THROUGH = "    y.speed = x.speed + u.torque * (x.angle > 1.0)\n"
+# Components whose tables take seconds to check as plain Python.
+SLOW = {"camshaft", "ehl_line_contact", "finger", "journal_bearing", "tappet"}
 
 
 @pytest.fixture
@@ -109,6 +121,56 @@ def test_what_cannot_be_an_fmu_is_named(added, name, said, folder):
     (folder / "my_parts.py").write_text(text, "utf-8")
     with pytest.raises(tribocosim.MistakeError, match=said):
         tribocosim.build_fmu(name, folder)
+
+
+SPEED = "    y.speed = x.speed\n"
+SLIPS = {
+    "field": ("p.damping * x", "p.dampin * x", r"my_parts.py, line 38: p.dampin: Parameters .* damping"),
+    "output": ("y.speed = x", "y.sped = x", r"my_parts.py, line 44: y.sped: State has .* speed\?"),
+    "name": ("/ inertia", "/ inertja", r"my_parts.py, line 38: there is no 'inertja'; did you mean inertia"),
+    "function": ("math.sin(", "math.sinn(", r"line 38: math.sinn: math has no 'sinn'; did you mean sin\?"),
+    "arguments": ("output(t: float, x", "output(x", r"line 41: output\(x, u, p, y\): must take \(t, x, u,"),
+    "kernel": ("output=output", "output=None", r"output: must be a function \(t, x, u, p, y\) with @kernel"),
+    "passed on": (
+        "p.mass * p.length**2",
+        "inertia_of(p)",
+        r"line 69: no record has 'mas'; did you mean mass\?",
+    ),
+    "factory": ("feedthrough={}", "feedthrough=none", r"name 'none' is not defined \(my_parts.py, line 63\)"),
+    "feedthrough": ("={}", "={'speed': ['turn']}", "input 'turn' of feedthrough must be one of torque"),
+    "bond": ('Bond("torque"', 'Bond("turn"', "variable 'turn' of a bond must be one of torque, angle, speed"),
+    "not set": (SPEED, "", "output speed: not set; assign a value at every call"),
+    "not always set": (
+        SPEED,
+        "    if x.angle > 0.0:\n    " + SPEED,
+        "output speed: not set in every case, as ",
+    ),
+    "rate": ("    dx.angle = x.speed\n", "", r"the rate dx.angle: not set"),
+    "added to": ("e[2] = 0.0", "e[2] += 0.0", r"the source power e\[2\]: not set"),
+    "undeclared": (
+        SPEED,
+        THROUGH,
+        r"output speed depends on input torque .*\{'speed': \['torque'\], \.\.\.\}",
+    ),
+}
+
+
+@pytest.mark.plain
+@pytest.mark.parametrize("slip", SLIPS)
+def test_what_kernels_misspell_or_leave_out_is_named(slip, folder):
+    """Before a run, with file and line: the compiler's own words name neither. An output that is left out
+    would be zero, one that follows an input undeclared would be wrong, and the reference with it."""
+    right, wrong, said = SLIPS[slip]
+    assert right in CODE
+    (folder / "my_parts.py").write_text(CODE.replace(right, wrong, 1) + HELPER, "utf-8")
+    with pytest.raises(ValueError, match=said):
+        build_component(f"{folder / 'my_parts.py'}:pendulum")
+
+
+@pytest.mark.plain
+@pytest.mark.parametrize("name", sorted({*CATALOGUE} - SLOW))
+def test_every_component_computes_what_it_declares(name):
+    check_kernels(CATALOGUE[name]())
 
 
 def test_the_command_builds_it(folder):
