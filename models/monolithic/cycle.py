@@ -18,6 +18,8 @@ from .reference import observe, stiffness
 # Of the integrator, over nominal + |value|. What a period changes is found to a hundred times that.
 TOLERANCE = 1e-8
 STEADY = 1e-5
+# Less than a sensor or a limit sees: figures of motions that a period changes by no more are used.
+USABLE = 1e-3
 MOST_PERIODS = 60
 # The progress of a search is that of its least change in so many periods, after those in which it settles.
 # Subharmonic and chaotic motions have no cycle of this period.

@@ -26,8 +26,8 @@ from orchestrator.study.tolerances import run as study
 from orchestrator.study.tolerances.design import BESIDE, SAMPLE, Design, GrindingError, Parameters
 from orchestrator.study.tolerances.distributions import Sampled, group
 from orchestrator.study.tolerances.limits import parse_limits
-from orchestrator.study.tolerances.report import find_worst
-from orchestrator.study.tolerances.run import find_usable, judge, make_subject
+from orchestrator.study.tolerances.report import describe, find_worst
+from orchestrator.study.tolerances.run import describe_cycles, find_usable, find_yields, make_subject
 from orchestrator.study.tolerances.statistics import (
     find_first_order,
     find_indices,
@@ -36,7 +36,6 @@ from orchestrator.study.tolerances.statistics import (
     find_yield,
 )
 from orchestrator.study.tolerances.table import Correlation, parse_tolerances
-from tribocosim.reporting import SilentReporter
 
 from .commands import called
 
@@ -177,30 +176,44 @@ def test_the_worst_trains_are_on_the_side_of_the_limit_that_fails():
     assert (find_worst("a.spring_margin", []), find_worst("a.peak_pressure", [])) == (0.1, 99.9)
 
 
-def test_trains_without_a_cycle_keep_no_limit_and_are_named(monkeypatch):
-    design = Design(alone(mass=stats.norm(2.0, 1.0)), 8, False, 0)
-    count, good = len(design), np.full(len(design), DONE)
-    good[4] = FAILED
-    trains = xarray.Dataset(
+def make_trains(design: Design, change: dict[int, float], failed: int) -> xarray.Dataset:
+    """Trains that are steady but for some, whose motion a period changes so much, and one that failed."""
+    numbers = np.arange(len(design))
+    return xarray.Dataset(
         {
-            "status": ("train", good),
-            "change": ("train", np.where(np.arange(count) == 5, 0.1, 1e-7)),
-            "message": ("train", ["mass < 0" if k == 4 else "" for k in range(count)]),
+            "status": ("train", np.where(numbers == failed, FAILED, DONE)),
+            "change": ("train", [np.nan if k == failed else change.get(k, 1e-7) for k in numbers]),
+            "message": ("train", ["mass < 0" if k == failed else "" for k in numbers]),
             "mass": ("train", design.values[:, 0]),
         }
     )
-    reporter, lines = SilentReporter(), list[str]()
-    monkeypatch.setattr(reporter, "line", lines.append)
-    usable = find_usable(trains, design, reporter)
-    assert np.flatnonzero(~usable).tolist() == [4, 5]
-    assert "2 of 19 trains" in lines[0]
-    assert "train 4 with mass = " in lines[0]
-    results = describe_numbers(load("valve-train"))
-    limits = parse_limits(["least_load > 0 N"], results)
-    kept = judge({"contact.least_load": np.where(usable, 1.0, np.nan)}, limits)
-    assert np.array_equal(kept["all limits"], usable)
+
+
+def test_the_yield_is_that_of_the_trains_with_a_steady_cycle():
+    """A train without says nothing of a limit, and is told; one that changes by 0.1 % from turn to turn is
+    judged."""
+    design = Design(alone(mass=stats.norm(2.0, 1.0)), 8, True, 0)
+    trains = make_trains(design, {3: 0.1, 5: 9e-4, 6: 0.1}, failed=4)
+    usable = find_usable(trains, design)
+    assert np.flatnonzero(~usable).tolist() == [3, 4, 6]
+    lost, rippled = describe_cycles(trains, design, usable)
+    assert lost.startswith("no steady cycle: 3 of 27 trains, 3 of them among the 16 sampled; ")
+    assert "train 3 with mass = " in lost
+    assert lost.endswith("a period still changes the motion by 10 %")
+    assert rippled == "of 1 train counted as steady a period still changes the motion, by up to 0.09 %"
+    limits = parse_limits(["least_load > 0 N"], describe_numbers(load("valve-train")))
+    figure = np.where(np.arange(len(design)) == 7, -1.0, 1.0)
+    values = {"contact.least_load": np.where(usable, figure, np.nan)}
+    found = find_yields(values, usable, design, limits)
+    assert found["yield"].sel(end="value").values == pytest.approx([12.0 / 13.0] * 2)
+    none = find_yields({"valve.bounce": values["contact.least_load"]}, usable, design, limits)
+    assert none["yield"].sel(end="value").values == pytest.approx(0.0)
+    percentiles = ("figure", "percent", "end"), np.zeros((0, 1, 3))
+    counted = found.assign_coords(figure=np.array([], str)).assign(percentile=percentiles)
+    said = list(describe(counted.assign_attrs(sampled=16, steady=13), limits))
+    assert all("92.31 % of the trains with a steady cycle keep" in line for line in said)
     with pytest.raises(RunError, match="no sampled train"):
-        find_usable(trains.assign(status=("train", np.full(count, FAILED))), design, SilentReporter())
+        find_usable(trains.assign(status=("train", np.full(len(design), FAILED))), design)
 
 
 @pytest.mark.parametrize(
@@ -300,6 +313,7 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
         done = called(*arguments, "--workers", "2")
     assert done.returncode == 0, done.stderr
     assert "of the trains keep it" in done.stdout
+    assert (out / "yield.csv").read_text().splitlines()[1].endswith(",16,16")
     file.write_text(file.read_text().replace("< 700 N", "< 600 N"))
     judged = called(*arguments)
     assert "largest_spring_force < 600 N: " in judged.stdout, judged.stderr

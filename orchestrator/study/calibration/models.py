@@ -16,7 +16,7 @@ from models.core.evaluation import Evaluation
 from models.core.quantities import Vector
 from models.core.system import ModelError, System
 from models.monolithic.cvode import Cvode
-from models.monolithic.cycle import Cycle
+from models.monolithic.cycle import USABLE, Cycle
 from models.monolithic.cycle_tangents import Direction, differentiate_cycle
 from models.monolithic.march import march
 from models.monolithic.problem import SystemProblem
@@ -42,7 +42,6 @@ from .measured import TIME, Experiment, Measured
 
 # Of a cycle: of the solver, and of the change of a state, which is far below the noise of a sensor.
 CYCLE_TOLERANCE, STEADY = 1e-10, 1e-5
-USABLE = 1e-3
 # Errors of steps of tangents, over those that analyses take.
 COARSE = 1e3
 # Of a transient: near the solver's sharpest, since parameters are varied by 1e-3.

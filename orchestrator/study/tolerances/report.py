@@ -39,16 +39,15 @@ def publish(
     answer.table(_tabulate(main, limits, title))
     for line in describe(main, limits):
         answer.line(line)
-    if dataset.attrs.get("friction"):
-        answer.line(dataset.attrs["friction"])
+    for line in filter(None, [*dataset.attrs["cycles"].splitlines(), dataset.attrs["friction"]]):
+        answer.line(line)
     dataset.to_netcdf(out / RESULTS, engine="h5netcdf")
     write_rows(out / PERCENTILES, _list_percentiles(dataset))
     write_rows(out / INDICES, _list_indices(dataset))
     write_rows(out / YIELD, _list_yields(dataset))
     panels = [_panel(main, str(name), limits) for name in main["figure"].values]
-    save_figure(
-        lambda: draw_histograms(panels, f"{title}: {dataset.attrs['sampled']} trains"), out / HISTOGRAMS
-    )
+    trains = f"{tally(dataset.attrs['steady'], 'train')}{_of_steady(dataset)}"
+    save_figure(lambda: draw_histograms(panels, f"{title}: {trains}"), out / HISTOGRAMS)
     written = [RESULTS, PERCENTILES, INDICES, YIELD, HISTOGRAMS]
     if np.isfinite(main["total"].values).any():
         save_figure(lambda: draw_indices(main, f"{title}: Sobol' indices"), out / BARS)
@@ -99,13 +98,13 @@ def describe(dataset: xarray.Dataset, limits: Sequence[Limit]) -> Iterator[str]:
     found = dataset["percentile"]
     ends = [found.sel(figure=name, percent=p, end="high" if p > RARE else "low") for name, p in worst]
     if not np.isfinite(ends).all():
-        yield f"{tally(dataset.attrs['sampled'], 'train')} are too few to bound the worst {RARE:g} %"
+        yield f"{tally(dataset.attrs['steady'], 'train')} are too few to bound the worst {RARE:g} %"
+    of = f"of the trains{_of_steady(dataset)}"
     for limit in map(str, dataset["limit"].values):
         own = dataset.sel(limit=limit)
         value, low, high = 100.0 * own["yield"].values
-        sentence = f"{limit}: {value:.4g} % of the trains keep it ({low:.4g} to {high:.4g} %)"
-        if limit == ALL:
-            sentence = f"{limit}: {value:.4g} % of the trains keep them ({low:.4g} to {high:.4g} %)"
+        them = "them" if limit == ALL else "it"
+        sentence = f"{limit}: {value:.4g} % {of} keep {them} ({low:.4g} to {high:.4g} %)"
         without = own["yield_without"].sel(end="value").values
         if value < 100.0 and np.isfinite(without).any():
             k = int(np.nanargmax(without))
@@ -120,6 +119,11 @@ def describe(dataset: xarray.Dataset, limits: Sequence[Limit]) -> Iterator[str]:
             if hidden := [str(name) for name in own["factor"].values[~np.isfinite(without)]]:
                 sentence += f" (not judged: {', '.join(hidden)}; see {YIELD})"
         yield sentence
+
+
+def _of_steady(dataset: xarray.Dataset) -> str:
+    """Which of the sampled trains are judged, if not all."""
+    return " with a steady cycle" if dataset.attrs["steady"] < dataset.attrs["sampled"] else ""
 
 
 def _panel(dataset: xarray.Dataset, name: str, limits: Sequence[Limit]) -> Panel:
@@ -164,10 +168,11 @@ def _list_indices(dataset: xarray.Dataset) -> Iterator[list[object]]:
 def _list_yields(dataset: xarray.Dataset) -> Iterator[list[object]]:
     yield [
         "limit", "factor", "yield", "yield_low", "yield_high", "amid", "amid_low", "amid_high", "index",
-        "index_low", "index_high",
+        "index_low", "index_high", "sampled", "steady",
     ]  # fmt: skip
+    counts = [dataset.attrs[name] for name in ("sampled", "steady")]
     for limit in map(str, dataset["limit"].values):
         own = dataset.sel(limit=limit)
         for k, factor in enumerate(map(str, dataset["factor"].values)):
             tables = (own["yield"].values, own["yield_without"].values[k], own["yield_index"].values[k])
-            yield [limit, factor, *[float(x) for table in tables for x in table]]
+            yield [limit, factor, *[float(x) for table in tables for x in table], *counts]

@@ -1,7 +1,7 @@
 """Runs a tolerance study and finds what it says."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,9 @@ import xarray
 from numpy.typing import NDArray
 
 from models.core.quantities import Vector
+from models.core.words import tally
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
+from models.monolithic.cycle import USABLE
 from models.valve_train.worn_cam import sample_cam
 
 from ...analyses import Result
@@ -90,7 +92,7 @@ def find_tolerances(
     status = run(plan, out / TRAINS, where, reporter, overwrite)
     with xarray.open_zarr(out / TRAINS) as stored:
         trains = stored.load()
-    usable = find_usable(trains, design, reporter)
+    usable = find_usable(trains, design)
     figures = [
         figure
         for figure in subject.results
@@ -105,10 +107,14 @@ def find_tolerances(
                 "velocity); leave the limit out"
             )
     parts = [_describe(values, subject.results), _percentiles(values, design), _compare(values, design)]
-    found = xarray.merge([*parts, _yields(values, design, limits)])
-    counts = {"lost": int(np.sum(~usable)), "trains": len(design), "sampled": 2 * design.half}
+    found = xarray.merge([*parts, find_yields(values, usable, design, limits)])
+    steady = int(usable[_rows(design, SAMPLE)].sum())
+    counts = {"trains": len(design), "sampled": 2 * design.half, "steady": steady}
     outside = " ".join(remark_outside(build_system(build_scenario(tables))))
-    return found.assign_attrs(speed_rpm=RPM * subject.speed, status=status, friction=outside, **counts)
+    told = "\n".join(describe_cycles(trains, design, usable))
+    return found.assign_attrs(
+        speed_rpm=RPM * subject.speed, status=status, friction=outside, cycles=told, **counts
+    )
 
 
 def _describe(values: Mapping[str, Vector], results: Mapping[str, Result]) -> xarray.Dataset:
@@ -118,24 +124,36 @@ def _describe(values: Mapping[str, Vector], results: Mapping[str, Result]) -> xa
     return xarray.Dataset({key: ("figure", texts) for key, texts in units.items()}, {"figure": list(values)})
 
 
-def find_usable(trains: xarray.Dataset, design: Design, reporter: Reporter) -> NDArray[np.bool_]:
-    """The trains with a steady cycle. A line names the first of the others, with its values."""
+def find_usable(trains: xarray.Dataset, design: Design) -> NDArray[np.bool_]:
+    """The trains that are judged: a period changes their motion by no more than USABLE. RunError without."""
     done = trains["status"].values == DONE
-    usable = np.asarray(done & (trains["change"].values <= LARGEST_CHANGE))
+    usable = np.asarray(done & (trains["change"].values <= USABLE))
     if not usable[_rows(design, SAMPLE)].any():
         raise RunError("no sampled train has a steady cycle at this speed: there is nothing to compare")
-    lost = np.flatnonzero(~usable)
+    return usable
+
+
+def describe_cycles(trains: xarray.Dataset, design: Design, usable: NDArray[np.bool_]) -> Iterator[str]:
+    """Sentences on the trains without a steady cycle, with the first one's values, and on those that change a
+    little from turn to turn."""
+    sampled, changes = _rows(design, SAMPLE), trains["change"].values
+    lost, rippled = np.flatnonzero(~usable), usable & (changes > LARGEST_CHANGE)
     if lost.size:
         first = int(lost[0])
         settings = ", ".join(f"{name} = {trains[name].values[first]:.6g}" for name in design.names[:8])
         message = str(trains["message"].values[first]) or (
-            f"a period still changes the motion by {float(trains['change'].values[first]):.2g}"
+            f"a period still changes the motion by {100.0 * float(changes[first]):.2g} %"
         )
-        reporter.line(
-            f"{lost.size} of {usable.size} trains have no steady cycle: they keep no limit and are in no "
-            f"percentile. The first is train {first} with {settings}: {message}"
+        yield (
+            f"no steady cycle: {lost.size} of {tally(usable.size, 'train')}, {int(sum(~usable[sampled]))} of "
+            f"them among the {sampled.size} sampled; percentiles and yields are of the others; the first is "
+            f"train {first} with {settings}: {message}"
         )
-    return usable
+    if rippled.any():
+        yield (
+            f"of {tally(int(rippled.sum()), 'train')} counted as steady a period still changes the motion, "
+            f"by up to {100.0 * float(changes[rippled].max()):.2g} %"
+        )
 
 
 def _rows(design: Design, kind: str) -> NDArray[np.int64]:
@@ -168,18 +186,22 @@ def judge(values: Mapping[str, Vector], limits: Sequence[Limit]) -> dict[str, ND
     return {**kept, ALL: np.all(list(kept.values()), axis=0)} if kept else {}
 
 
-def _yields(values: Mapping[str, Vector], design: Design, limits: Sequence[Limit]) -> xarray.Dataset:
-    """Of every limit and of all: the yield, that of the trains amid each factor, and the pass's indices."""
+def find_yields(
+    values: Mapping[str, Vector], usable: NDArray[np.bool_], design: Design, limits: Sequence[Limit]
+) -> xarray.Dataset:
+    """Of every limit and of all, among the `usable` trains: the yield, that of the trains amid each factor,
+    and the pass's indices."""
     kept, rows = judge(values, limits), _rows(design, SAMPLE)
+    shares, rows = design.sample[usable[rows]], rows[usable[rows]]
     factors = list(design.factors)
     middle = np.full((len(kept), len(factors), 3), np.nan)
     total = np.full((len(kept), len(factors), 3), np.nan)
     for i, good in enumerate(kept.values()):
         for k, factor in enumerate(design.factors.values()):
             if isinstance(factor, Parameters) and factor.size == 1:
-                middle[i, k] = find_middle_yield(good[rows], design.sample[:, design.columns(k).start])
+                middle[i, k] = find_middle_yield(good[rows], shares[:, design.columns(k).start])
         if design.mixed:
-            found = _index(good.astype(float), design)
+            found = _index(np.where(usable, good, np.nan), design)
             total[i] = np.column_stack([found.total, *found.total_interval])
     yields = np.array([find_yield(good[rows]) for good in kept.values()]).reshape(-1, 3)
     return xarray.Dataset(
