@@ -6,7 +6,7 @@ import os
 import sys
 import time as clock
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from pathlib import Path
@@ -175,7 +175,8 @@ Tell = Callable[[str, float], object]
 class Reporter:
     """Prints the progress of a command, and gives it to `tell`; `verbose` also prints tables and effort.
 
-    `times` has the wall time (s) of each stage without compilations, and that of these (`COMPILING`).
+    `times` has the wall time (s) of each stage without compilations, and that of these (`COMPILING`);
+    `noticed` what was said of scenarios, which the page of a study repeats.
     """
 
     def __init__(
@@ -186,7 +187,14 @@ class Reporter:
         wide = None if sys.stdout.isatty() else 110
         self.console = console or SafeConsole(highlight=False, width=wide)
         self.times: dict[str, float] = defaultdict(float)
+        self.noticed: dict[str, None] = {}
         self._told = 0.0
+
+    def notice(self, texts: Iterable[str]) -> None:
+        """Print what is to be known or doubted of a scenario."""
+        for text in texts:
+            self.line(text)
+            self.noticed[text] = None
 
     def line(self, text: Words) -> None:
         self.console.print(Text(in_command_line(text)), soft_wrap=True)

@@ -14,7 +14,8 @@ from .page import render, write_page
 
 
 class Answer:
-    """Tables and sentences at the end of a command. The reporter prints them at once; the page has all."""
+    """Tables and sentences at the end of a command. The reporter prints them at once; the page has all, and
+    what the reporter was told to notice."""
 
     def __init__(self, title: str, reporter: Reporter) -> None:
         self._title, self._reporter = title, reporter
@@ -40,6 +41,7 @@ class Answer:
         ]
         said = [_list_cells(one) if isinstance(one, Table) else one for one in self._said]
         values = {"title": self._title, "said": said, "figures": figures, "files": files}
+        values["notices"] = list(self._reporter.noticed)
         text = render("answer.html", version=metadata.version("tribocosim"), **values)
         write_page(text, folder / page)
         self._reporter.line(f"results in {folder}: {', '.join((page, *files))}")

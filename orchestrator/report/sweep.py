@@ -56,24 +56,19 @@ def _read_scenario(toml: str) -> Scenario | None:
 
 
 def _judge(
-    separation: Mapping[str, Any] | None,
-    second: Mapping[str, Any],
-    notices: Sequence[str],
-    numbers: xarray.Dataset,
+    separation: Mapping[str, Any] | None, doubts: Sequence[str], numbers: xarray.Dataset
 ) -> dict[str, str]:
-    """The verdict and its colour: amber where it, or a notice but that of a second film, names a doubt."""
+    """The verdict and its colour: amber where something is doubted."""
     if separation is None and list_shares(numbers):
         lost = bool(find_lost(numbers).any())
         return {"verdict": "the speed of separation was not looked for", "kind": "bad" if lost else ""}
     text = separation["text"] if separation else "no contact can be lost"
     if separation and not text.startswith("contact is kept"):
         return {"verdict": text, "kind": "bad"}
-    doubts = [one for one in notices if one != second.get("text")]
     return {"verdict": "; ".join([text, *doubts[:1]]), "kind": "unsteady" if doubts else "good"}
 
 
 def _tell(summary: Mapping[str, Any], toml: str, numbers: xarray.Dataset, folder: Path) -> dict[str, Any]:
-    separation, notices = summary.get("separation"), summary.get("notices", [])
     speeds = numbers["speed"].values
     name = str(summary["scenario"])
     ends = [
@@ -83,8 +78,8 @@ def _tell(summary: Mapping[str, Any], toml: str, numbers: xarray.Dataset, folder
     return {
         "name": name,
         "title": f"{name} over speed",
-        **_judge(separation, summary.get("second_separation") or {}, notices, numbers),
-        "notices": notices,
+        **_judge(summary.get("separation"), summary.get("doubts", []), numbers),
+        "notices": summary.get("notices", []),
         "version": summary.get("version", ""),
         "command": repeat("speeds", folder / SWEPT, folder, *ends, Option("count", speeds.size)),
         "toml": toml,

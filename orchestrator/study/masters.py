@@ -27,6 +27,7 @@ from ..scenario.display import SYMBOLS
 from ..scenario.fmu_limits import FmuLimits
 from ..scenario.system import Builder, build_system
 from ..scenario.units import choose_time_unit, format_time
+from ..scenario.warnings import list_notices
 from ..store.csv_file import write_rows
 
 NAME = "masters"
@@ -66,6 +67,7 @@ def compare_masters(
     if not scenario.tolerance or not scenario.reference.enabled:
         raise MistakeError("tolerance: missing; state the error allowed of an output, with the reference")
     check_lash(build_system(scenario))
+    reporter.notice(list_notices(scenario))
     restorable = FmuLimits(scenario).restorable
     names = [name for name in (*MASTERS, *own) if restorable or not find_master(name).implicit]
     longer = (1.0,) if scenario.step_control else LONGER

@@ -46,8 +46,7 @@ def run(
     Raises MistakeError before anything is written, RunError if the workers cannot go on, and
     KeyboardInterrupt with how to continue. The last two keep all finished points.
     """
-    for line in _list_warnings(plan):
-        reporter.line(line)
+    reporter.notice(_list_warnings(plan))
     versions = compute_fingerprint(plan.subject)
     with (
         connect(where.scheduler, where.workers, where.timeout) as client,

@@ -33,7 +33,7 @@ from tribocosim.reporting import SilentReporter
 from .commands import called, said
 
 SWEEP = ("speeds", "valve-train", "--from", "1000 rpm", "--to", "3400 rpm", "--count", "3", "--workers", "1",
-         "--second-film", "kushwaha")  # fmt: skip
+         "--second-film", "kushwaha", "--set", "components.camshaft.parameters.power_p=7")  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def swept(tmp_path_factory):
 
 
 def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
-    out, _ = swept
+    out, said_text = swept
     rows = list(csv.DictReader((out / "speeds.csv").read_text("utf-8").splitlines()))
     assert [row["speed [r/min]"] for row in rows] == ["1000.0", "2200.0", "3400.0"]
     pressures = [float(row["contact.peak_pressure [MPa]"]) for row in rows]
@@ -55,9 +55,12 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
         assert (out / name).stat().st_size > 10_000
     page = html.unescape((out / "report.html").read_text("utf-8"))
     assert f"tribocosim speeds {out / 'swept.toml'} --from " in page
+    doubt = "camshaft.parameters.power_p: has an effect only where law is high_powers"
+    for text in (said_text, page, (out / "summary.json").read_text("utf-8")):
+        assert doubt in text
     again = load(out / "swept.toml")
     assert to_full_toml(again) == (out / "swept.toml").read_text("utf-8")
-    assert list_parameters(again) == list_parameters(load("valve-train"))
+    assert list_parameters(again) == list_parameters(load("valve-train")) | {"camshaft.power_p": 7.0}
     with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
         assert dict(cycles.sizes) == {"speed": 3, "share": 721}
         lift = cycles["camshaft.cam_lift"]

@@ -304,7 +304,8 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
     lines += ['[parameters."valve_spring.preload"]', 'kind = "normal"', 'deviation = "5 %"']
     file.write_text("\n".join(lines))
     out = tmp_path / "found"
-    arguments = ["tolerances", "valve-train", str(file), "--out", str(out), "--set", *DRY]
+    idle = "components.camshaft.parameters.power_p=7"
+    arguments = ["tolerances", "valve-train", str(file), "--out", str(out), "--set", *DRY, "--set", idle]
     stopped = called(*arguments)
     assert stopped.returncode == 130
     assert f"the trains are kept in {out}: the same command continues" in stopped.stderr
@@ -326,4 +327,7 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
         spread = float(force.sel(percent=99.0) - force.sel(percent=50.0))
     assert spread == pytest.approx(0.05 * 330.0 * stats.norm.ppf(0.99), rel=1e-3)
     assert (out / "tolerances.png").stat().st_size > 10_000
-    assert "percentiles.csv" in (out / "tolerances.html").read_text("utf-8")
+    page = (out / "tolerances.html").read_text("utf-8")
+    assert "percentiles.csv" in page
+    assert "power_p: has an effect only where law is high_powers" in page
+    assert judged.stdout.count("power_p: has an effect") == 1

@@ -157,6 +157,7 @@ def test_the_same_command_keeps_the_cycles_of_the_history(worn: tuple[list[str],
     for name in ("wear.nc", "wear.csv", "wear.png", "wear.html", "worn-cam.csv"):
         (folder / name).unlink()  # as after an interruption
     again = called(*arguments)
+    assert "spring_rate = 100 N/m" in (folder / "wear.html").read_text("utf-8")
     assert again.stdout.splitlines()[1:] == [line for line in text.splitlines()[1:] if "% done" not in line]
     assert {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()} == before
 

@@ -19,6 +19,7 @@ from ...report.answer import Answer
 from ...reporter import Reporter, tell_interruption
 from ...scenario import build_scenario
 from ...scenario.system import Builder, list_outputs
+from ...scenario.warnings import list_notices
 from ...store.output_folder import PRINTED
 from ..run import Where
 from .fit import Fit, fit, profile
@@ -70,8 +71,7 @@ def calibrate(
         )
     model = make_model(scenario, measured, [one.name for one in parameters], build)
     held = find_results(out, "calibration", overwrite, "calibration.json", FITTED, SIGNALS)
-    for line in notes:
-        reporter.line(line)
+    reporter.notice([*list_notices(scenario), *notes])
     others = any(table.third_party for table in scenario.components.values())
     with (
         create_folder(out),

@@ -22,6 +22,7 @@ from ...reporter import Bar, Reporter, follow, tell_interruption
 from ...run.pipeline import run_part
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder, build_system
+from ...scenario.warnings import list_notices
 from ..speeds.finder import CycleFinder
 from ..speeds.separation import bisect_separation, is_separated
 from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_motion
@@ -180,6 +181,7 @@ def design(
     train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event, brief.ramps, brief.symmetric)
     bounds = read_bounds(brief, train.scenario, train.subject.flywheel, train.wires)
     train = train.with_parameters(bounds)
+    reporter.notice(list_notices(train.scenario))
     with create_folder(out):
         with reporter.stage("cycles of the scenario's own cam") as bar:
             cycles = _Cycles(train.finder, bar, 2 * STEPS)

@@ -35,6 +35,7 @@ from ...scenario.display import format_number, say, show, show_unit
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import build_system, list_parameters, list_quantities
 from ...scenario.values import Value
+from ...scenario.warnings import list_notices
 from ...store.output_folder import refuse_file
 from ...texts import parse_toml
 from ..files import plan_axis
@@ -170,7 +171,7 @@ def find_sensitivities(
     their errors, over (figure, parameter); the cycles are kept in the folder `out`. MistakeError before
     anything is computed."""
     refuse_file(out)
-    base, parameters = _open(tables, wanted)
+    base, parameters = _open(tables, wanted, reporter)
     scenario = base.scenario
     speed = find_own_speed(scenario, base.flywheel) if speed is None else speed
     subject = SensitivitySubject(base, speed, parameters)
@@ -204,7 +205,7 @@ def find_run_sensitivities(
     if speed is not None:
         raise MistakeError((Option("speed", speed), ": is that of a steady cycle"), "leave it out, for a run")
     refuse_file(out)
-    base, parameters = _open(tables, wanted)
+    base, parameters = _open(tables, wanted, reporter)
     values, stage = list_parameters(base.scenario), _name_stage("run", parameters)
     largest = max((values[f"{base.flywheel}.{end}_speed"] for end in ("initial", "final")), key=abs)
     with reporter.stage(stage):
@@ -213,11 +214,14 @@ def find_run_sensitivities(
     return _divide(found, parameters, speed=largest, stop_time=base.scenario.stop_time)
 
 
-def _open(tables: Mapping[str, Any], wanted: Sequence[str]) -> tuple[SpeedSubject, tuple[str, ...]]:
+def _open(
+    tables: Mapping[str, Any], wanted: Sequence[str], reporter: Reporter
+) -> tuple[SpeedSubject, tuple[str, ...]]:
     """The scenario with the numbers that oils, tables and drawings give, so that each may vary alone, and the
     parameters that do."""
     scenario = build_scenario(tables)
     flywheel = find_flywheel(scenario)
+    reporter.notice(list_notices(scenario))
     base = SpeedSubject(parse_toml(to_full_toml(scenario)), flywheel)
     return base, choose_parameters(scenario, flywheel, wanted)
 

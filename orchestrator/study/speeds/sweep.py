@@ -36,6 +36,7 @@ from ...scenario.display import format_number, show_attributes
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system
 from ...scenario.units import is_bare
+from ...scenario.values import WARNING
 from ...store.output_folder import CYCLES, REPORT, STORE, SUMMARY, SWEPT
 from ..files import Plan, plan_axis
 from ..run import Where, run
@@ -112,20 +113,21 @@ def _conclude(
     second: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
     """Say what is to be noticed, write, and draw; the content of summary.json."""
-    texts = [second["text"]] if second else []
-    notices = [
-        *texts, *describe_unsteady(table), *describe_lift_loss(table), *describe_feeding(subject, table),
-        *describe_over_speed(table),
+    known = subject.list_warnings({})
+    doubts = [*describe_unsteady(table), *describe_feeding(subject, table), *describe_over_speed(table)]
+    found = [
+        *([second["text"]] if second else []), *doubts, *describe_lift_loss(table),
         *remark_outside(build_system(subject.scenario)),
     ]  # fmt: skip
-    for text in notices:
+    for text in found:
         reporter.line(text)
     toml = to_full_toml(subject.scenario)
     summary = {
         "scenario": subject.scenario.name,
         "separation": first and first._asdict(),
         "second_separation": second,
-        "notices": notices,
+        "notices": [*known, *found],
+        "doubts": [*(text for text in known if text.startswith(WARNING)), *doubts],
         "version": metadata.version("tribocosim"),
         "scenario_toml": toml,
     }

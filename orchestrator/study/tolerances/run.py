@@ -24,6 +24,7 @@ from ...scenario.cams import read_cam
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system, list_quantities
 from ...scenario.units import is_bare
+from ...scenario.warnings import list_notices
 from ..files import plan_axis
 from ..run import Where, run
 from ..speeds.subject import SPEED, STEADY, describe_numbers, find_flywheel
@@ -82,7 +83,9 @@ def find_tolerances(
     """Percentiles, yields and indices of all figures; all trains are kept in the folder `out`. MistakeError
     before anything is computed, RunError where no train has a cycle."""
     subject, limits = make_subject(tables, tolerances)
-    name, design = build_scenario(tables).name, subject.design
+    scenario, design = build_scenario(tables), subject.design
+    name = scenario.name
+    reporter.notice(list_notices(scenario))
     reporter.line(
         f"{len(design)} trains: the mean one, {2 * len(design.names)} beside it, {2 * design.half} sampled"
         + (f", {len(design.factors) * design.half} for indices" if design.mixed else "")
@@ -110,7 +113,7 @@ def find_tolerances(
     found = xarray.merge([*parts, find_yields(values, usable, design, limits)])
     steady = int(usable[_rows(design, SAMPLE)].sum())
     counts = {"trains": len(design), "sampled": 2 * design.half, "steady": steady}
-    outside = " ".join(remark_outside(build_system(build_scenario(tables))))
+    outside = " ".join(remark_outside(build_system(scenario)))
     told = "\n".join(describe_cycles(trains, design, usable))
     return found.assign_attrs(
         speed_rpm=RPM * subject.speed, status=status, friction=outside, cycles=told, **counts

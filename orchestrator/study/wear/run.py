@@ -18,6 +18,7 @@ from ...plots.wear import draw_wear
 from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario.units import UnitError, is_bare, to_unit
+from ...scenario.warnings import list_notices
 from ..speeds.sweep import parse_speed
 from .history import follow
 from .report import FIGURE, LIFTS, PAGE, Interval, remark, tabulate, write
@@ -90,6 +91,7 @@ def wear(
             ("give ", Option("until", f"{0.99e3 * most:.2g} mm"), " or less"),
         )
     held = find_results(out, "wear", overwrite, LIFTS)
+    reporter.notice(list_notices(train.scenario))
     with create_folder(out):
         history = follow(train, asked.tolerance, out, reporter)
         table = tabulate(history, asked.interval)
