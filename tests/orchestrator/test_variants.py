@@ -25,7 +25,13 @@ from orchestrator.study import run_overlay
 from orchestrator.study.speeds.compare import VARIANTS, Choice, label, select_speeds
 from orchestrator.study.speeds.separation import RPM
 from orchestrator.study.speeds.sweep import Swept, select_columns
-from orchestrator.study.speeds.variants import Variant, list_variants, sweep_variants, tabulate
+from orchestrator.study.speeds.variants import (
+    Variant,
+    choose_speeds,
+    list_variants,
+    sweep_variants,
+    tabulate,
+)
 from tribocosim.reporting import SilentReporter
 
 from .commands import called
@@ -52,20 +58,28 @@ def test_several_values_make_every_combination():
         list_variants(["a.mass=1,1"])
 
 
-def test_designs_are_judged_at_the_speeds_at_which_all_keep_contact():
-    """The stiffer one keeps it to the end; its load there is not set beside the other's at less speed."""
-    speeds, (load,) = tabulate({"soft": make_swept(400.0, 300.0), "stiff": make_swept(500.0, 1e9)})
-    assert speeds == "955 to 1910 r/min, where all keep contact"
-    assert [(worst.value, round(worst.speed_rpm)) for worst in load.worst] == [(200.0, 1910), (300.0, 1910)]
-    speeds, _ = tabulate({"soft": make_swept(400.0, 0.0), "stiff": make_swept(500.0, 1e9)})
-    assert speeds == "955 to 2865 r/min, at each of which one loses contact"
+def test_a_weak_design_does_not_cut_the_speeds_of_the_others():
+    """Each is judged where it and the strongest keep contact and are steady; the strongest has its load over
+    the same speeds beside it."""
+    weak, strong, never = make_swept(400.0, 300.0), make_swept(500.0, 1e9), make_swept(300.0, 0.0)
+    ripples = xarray.DataArray([0.0, 9e-4, 0.1], dims="speed")
+    swept = {"weak": weak, "rippled": strong._replace(table=strong.table.assign(change=ripples))}
+    judged = choose_speeds({**swept, "strong": strong, "never": never})
+    assert judged.reference == "strong"
+    ranges = [("955", "1910"), ("955", "1910"), ("955", "2865"), ("", "")]
+    assert list(judged.list_ranges()) == ranges
+    (load,) = tabulate(judged)
+    assert [worst and worst.value for worst in load.worst] == [200.0, 300.0, 200.0, None]
+    assert [worst and worst.value for worst in load.beside] == [300.0, 300.0, 200.0, None]
+    none = choose_speeds({"never": never})
+    assert (none.reference, list(none.list_ranges())) == (None, [("955", "2865")])
 
 
 def test_a_number_that_only_a_later_design_has_has_its_column():
     one, other = make_swept(400.0, 1e9), make_swept(500.0, 1e9)
     power = 0.1 * other.table["contact.least_load"].rename(None)
     with_power = other._replace(table=other.table.assign({"valve.seating_velocity": power}))
-    _, columns = tabulate({"one": one, "other": with_power})
+    columns = tabulate(choose_speeds({"one": one, "other": with_power}))
     (seating,) = (column for column in columns if column.head == "seating velocity")
     assert [worst and worst.value for worst in seating.worst] == [None, 40.0]
     drawn = draw_variants({"one": one.table, "other": with_power.table}).axes[1]

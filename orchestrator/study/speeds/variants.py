@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
@@ -17,7 +17,7 @@ from rich.table import Table
 from models.core.interruption import deferred, look
 
 from ...assessment.friction.shares import WHOLE
-from ...assessment.lost_contact import find_lost, find_unsteady
+from ...assessment.lost_contact import find_lost, find_rippled, find_unsteady
 from ...errors import MistakeError, Option
 from ...plots.speeds import draw_variants
 from ...plots.style import save_figure
@@ -117,12 +117,14 @@ def sweep_variants(
 
 @dataclass(frozen=True)
 class Column:
-    """A figure "part.name" of all designs, their worst values, and how it is headed and shown."""
+    """A figure "part.name" of all designs, their worst values and, `beside` each, that of the reference over
+    the same speeds; how it is headed and shown."""
 
     name: str
     head: str
     shown: Shown
     worst: Sequence[Worst | None]
+    beside: Sequence[Worst | None]
     angle: str
 
     @property
@@ -143,29 +145,61 @@ class Column:
         if self.angle:
             angles = (w.angle_deg if w else None for w in self.worst)
             yield [f"{self.angle} [deg]", *("" if a is None else format_number(a) for a in angles)]
+        reference = add_unit(f"{self.head}, of the reference", self.shown)
+        yield [reference, *(format_number(w.value) if w else "" for w in self.beside)]
 
 
-def tabulate(swept: Mapping[str, Swept]) -> tuple[str, list[Column]]:
-    """The speeds that are judged, in words, and the figures by which a design is chosen, of all parts that
-    have them. The speeds are those at which all designs keep contact, if there are any."""
-    kept = keep_contact([one.table for one in swept.values()])
-    every = dict.fromkeys(str(name) for table in kept for name in table.data_vars)
+class Judged(NamedTuple):
+    """Designs at the speeds over which each is judged, and at these the `reference`; None where no design is
+    good at any speed, and each is judged over all of its own."""
+
+    reference: str | None
+    tables: Sequence[xarray.Dataset]
+    beside: Sequence[xarray.Dataset]
+
+    def list_ranges(self) -> Iterator[tuple[str, str]]:
+        """The ends (r/min) of each design's speeds."""
+        for table in self.tables:
+            speeds = RPM * table["speed"].values
+            yield (f"{speeds.min():.0f}", f"{speeds.max():.0f}") if speeds.size else ("", "")
+
+
+def choose_speeds(swept: Mapping[str, Swept]) -> Judged:
+    """A design is judged where it is good and the reference is: where contact is kept and the cycle steady.
+    The reference is the design that is good at most speeds, so that a weak one does not cut the others'."""
+    good = {
+        label: one.table.isel(speed=np.flatnonzero(~find_lost(one.table) & ~find_rippled(one.table)))
+        for label, one in swept.items()
+    }
+    reference = max(good, key=lambda label: good[label].sizes["speed"])
+    best = good[reference]["speed"].values
+    if not best.size:
+        every = [one.table for one in swept.values()]
+        return Judged(None, every, every)
+    common = [np.intersect1d(table["speed"].values, best) for table in good.values()]
+    tables = [table.sel(speed=speeds) for table, speeds in zip(good.values(), common, strict=True)]
+    return Judged(reference, tables, [good[reference].sel(speed=speeds) for speeds in common])
+
+
+def tabulate(judged: Judged) -> list[Column]:
+    """The figures by which a design is chosen, of all parts that have them."""
+    every = dict.fromkeys(str(name) for table in judged.tables for name in table.data_vars)
     columns = []
     for figure in CHOSEN_BY:
         names = list_parts_with(figure, every)
         for name in names:
-            attributes = next(table[name].attrs for table in kept if name in table)
+            attributes = next(table[name].attrs for table in judged.tables if name in table)
             shown = show_attributes(attributes)
-            worst = [find_worst(table, name, shown.factor) for table in kept]
+            worst, beside = (
+                [find_worst(table, name, shown.factor) for table in tables]
+                for tables in (judged.tables, judged.beside)
+            )
             of = f" of {name.rpartition('.')[0]}" * (len(names) > 1)
-            angles = (_name(t[a].attrs, a) + of for t in kept if (a := f"{name}_angle") in t)
+            angles = (_name(t[a].attrs, a) + of for t in judged.tables if (a := f"{name}_angle") in t)
             if any(worst):
                 head = _name(attributes, figure) + of
-                columns.append(Column(name, head, shown, worst, next(angles, "")))
-    speeds = RPM * kept[0]["speed"].values
-    lost = any(find_lost(table).any() for table in kept)
-    where = "at each of which one loses contact" if lost else "where all keep contact"
-    return f"{speeds.min():.0f} to {speeds.max():.0f} r/min, {where}", columns
+                columns.append(Column(name, head, shown, worst, beside, next(angles, "")))
+    return columns
 
 
 def list_parts_with(figure: str, every: Collection[str]) -> list[str]:
@@ -177,16 +211,6 @@ def list_parts_with(figure: str, every: Collection[str]) -> list[str]:
 
 def _name(attributes: Mapping[Any, Any], figure: str) -> str:
     return EXPLAINED.split(str(attributes.get("long_name", figure.replace("_", " "))))[0]
-
-
-def keep_contact(tables: Sequence[xarray.Dataset]) -> list[xarray.Dataset]:
-    """The tables at the speeds that all have and at which none loses contact; at all that they have in
-    common, where there is none."""
-    speeds = [set(table["speed"].values) for table in tables]
-    common = sorted(set.intersection(*speeds))
-    same = [table.sel(speed=common) for table in tables]
-    lost = np.any([find_lost(table) for table in same], axis=0)
-    return same if lost.all() else [table.isel(speed=np.flatnonzero(~lost)) for table in same]
 
 
 def _find_lost_from(one: Swept) -> tuple[str, str]:
@@ -211,10 +235,10 @@ def _list_varied(variants: Sequence[Variant]) -> Iterator[list[str]]:
 
 
 def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, reporter: Reporter) -> None:
-    if not set.intersection(*(set(one.table["speed"].values) for one in swept.values())):
-        reporter.line("the designs have no speed in common at which a cycle was found: no table of all")
-        return
-    speeds, columns = tabulate(swept)
+    judged = choose_speeds(swept)
+    columns, ranges = tabulate(judged), list(judged.list_ranges())
+    kept = f"where it and {judged.reference} keep contact and are steady"
+    where = kept if judged.reference else "of all speeds: no design keeps contact and is steady at any"
     lost = [_find_lost_from(one) for one in swept.values()]
     unsteady = [list(find_unsteady(one.table)) for one in swept.values()]
     for first in range(0, len(swept), BESIDE):
@@ -222,7 +246,10 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
         heads = (
             Head(label, overflow="fold", min_width=min(len(label), NARROW)) for label in [*swept][several]
         )
-        shown = Table("worst", *heads, title=f"Worst from {speeds}, at ° of the cam", title_justify="left")
+        shown = Table(
+            "worst", *heads, title=f"Worst of each design {where}; at ° of the cam", title_justify="left"
+        )
+        shown.add_row("judged, r/min", *(" to ".join(ends) if ends[0] else "–" for ends in ranges[several]))
         shown.add_row("contact lost from, r/min", *(text for _, text in lost[several]))
         if any(unsteady):
             shown.add_row("speeds without a steady cycle", *(str(len(one)) for one in unsteady[several]))
@@ -232,6 +259,11 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
     rows = [
         ["design", *swept],
         *_list_varied(variants),
+        ["reference", *(judged.reference or "" for _ in swept)],
+        *(
+            [f"judged {end} [r/min]", *row]
+            for end, row in zip(("from", "to"), zip(*ranges, strict=True), strict=True)
+        ),
         ["contact lost from [r/min]", *(number for number, _ in lost)],
         ["no steady cycle at [r/min]", *(" ".join(f"{RPM * v:.0f}" for v in one) for one in unsteady)],
         *(row for column in columns for row in column.write()),
