@@ -37,8 +37,8 @@ PALE = 0.3  # opacity of speeds at which contact is lost
 LEAST_SHOWN = 3
 # The least range of a panel, as a share of its values: what changes less is level.
 LEAST_RANGE = 0.02
-# Colours of natural frequencies, by their kind.
-NATURAL = {"surge": REFERENCE, "torsion": COUPLED, "bending": ACCENT}
+# Natural frequencies of equal trains agree within this share, and are one.
+ONE = 1e-3
 TORQUE, FILM, ROLLING = "Drive torque (N m)", "Least film (µm)", ".rolling_power"
 # Powers of rolling are drawn from this part of the largest power on. Films that differ by more than a factor
 # have a logarithmic axis.
@@ -249,9 +249,9 @@ def draw_campbell(cycles: xarray.Dataset, name: str) -> Figure:
         norm=_scale(amplitude), zorder=2,
     )  # fmt: skip
     figure.colorbar(drawn, ax=axes, extend="min")
-    for kind, frequency in list_frequencies(cycles):
+    for k, (frequency, _, state) in enumerate(list_oscillations(cycles)):
         if frequency < MOST_ORDERS * turns[-1]:
-            axes.axhline(frequency, color=NATURAL[kind], ls="--", lw=1.2, label=kind, zorder=3)
+            axes.axhline(frequency, color=f"C{k % 10}", ls="--", lw=1.2, label=state, zorder=3)
     _add_legend(axes)
     axes.set_xlabel("Speed (r/min)")
     axes.set_ylabel("Frequency (Hz)")
@@ -270,13 +270,13 @@ def find_cam_speeds(cycles: xarray.Dataset) -> Vector:
     return np.asarray(cycles["speed"].values * cycles.attrs["cam_ratio"])
 
 
-def list_frequencies(cycles: xarray.Dataset) -> list[tuple[str, float]]:
-    """Kind and natural frequency (Hz)."""
-    return [
-        (kind, float(frequency))
-        for kind in NATURAL
-        for frequency in np.atleast_1d(cycles.attrs.get(f"{kind}_frequencies", []))
-    ]
+def list_oscillations(cycles: xarray.Dataset) -> list[tuple[float, float, str]]:
+    """Natural frequency (Hz), damping ratio and the state that takes most part; equal frequencies once."""
+    names = "natural_frequencies", "damping_ratios", "moving_states"
+    columns = (np.atleast_1d(cycles.attrs.get(name, [])) for name in names)
+    found = [(float(hz), float(ratio), str(state)) for hz, ratio, state in zip(*columns, strict=True)]
+    before = [0.0, *(hz for hz, _, _ in found)]
+    return [one for one, last in zip(found, before, strict=False) if one[0] > (1.0 + ONE) * last]
 
 
 def _scale(amplitude: NDArray[np.float64]) -> LogNorm:

@@ -5,11 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 
 from models.catalogue import CATALOGUE
 from models.monolithic import solve
+from models.monolithic.modes import find_modes
 from models.oscillators.bouncing_mass import FallingMassParameters, SpringStopParameters
-from models.oscillators.quarter_car import WheelParameters
+from models.oscillators.quarter_car import ChassisParameters, WheelParameters
 from models.oscillators.two_masses import CoupledMassParameters, SprungMassParameters
 from orchestrator.scenario.files import load
 from orchestrator.scenario.system import build_system
@@ -54,6 +56,25 @@ def test_quarter_car_is_its_matrix_exponential(damping):
     np.testing.assert_allclose(np.column_stack([found[name] for name in STATES]), solution, atol=1e-9)
     energy_closes(found, 750.0)
     assert crossed(found) > 50.0
+
+
+@pytest.mark.parametrize("damping", [0.0, 300.0])
+def test_modes_of_the_quarter_car_are_the_roots_of_its_polynomial(damping):
+    """det(m lambda^2 + d lambda + k) = 0, whose roots are the undamped frequency and the damping ratio."""
+    c, w = ChassisParameters(), WheelParameters(tyre_damping=damping)
+    system = oscillator("quarter-car", {"wheel": {"tyre_damping": damping}}, {})
+    suspension = Polynomial([c.suspension_stiffness, c.suspension_damping])
+    chassis = suspension + Polynomial([0.0, 0.0, c.chassis_mass])
+    wheel = suspension + Polynomial([w.tyre_stiffness, w.tyre_damping, w.wheel_mass])
+    roots = sorted(abs(root) for root in (chassis * wheel - suspension**2).roots() if root.imag > 0.0)
+    ratios = sorted(
+        -root.real / abs(root) for root in (chassis * wheel - suspension**2).roots() if root.imag > 0.0
+    )
+    modes = find_modes(system, 0.0, system.x0)
+    # Central differences over 1e-7 of linear rates: rounding of some 1e-9.
+    np.testing.assert_allclose([2.0 * math.pi * mode.frequency for mode in modes], roots, rtol=1e-7)
+    np.testing.assert_allclose(sorted(mode.damping for mode in modes), ratios, rtol=1e-7)
+    assert [mode.state.partition(".")[0] for mode in modes] == ["chassis", "wheel"]
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.7])

@@ -119,7 +119,9 @@ def test_friction_stress_and_orders_follow_from_the_cycles(swept):
     peak = table["contact.peak_pressure"].values
     np.testing.assert_allclose(table["contact.stress_ratio"].values, peak / (1.67 * 1.2e9), rtol=1e-12)
     with xarray.open_dataset(out / "cycles.nc", engine="h5netcdf") as cycles:
-        assert cycles.attrs["surge_frequencies"] == 504.5
+        # The spring's surge between a follower on its cam and the seat of the spring, which hardly move.
+        assert cycles.attrs["natural_frequencies"][0] == pytest.approx(504.5, rel=1e-3)
+        assert cycles.attrs["damping_ratios"][0] == pytest.approx(0.02, rel=0.01)
         load = cycles["contact.load"].values[0]
         _, amplitude = find_orders(cycles["contact.load"])
     angle = np.linspace(0.0, 2.0 * np.pi, load.size)

@@ -2,11 +2,12 @@
 
 import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray
 
 from models import plausible
@@ -15,6 +16,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import ModelError, System
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from models.monolithic.cycle import TOLERANCE, Cycle, find_cycle
+from models.monolithic.modes import Mode, find_modes
 
 from ...analyses import Parameter, Result
 from ...assessment.figures_of_merit import list_figures, measure
@@ -42,7 +44,7 @@ STEADY = {
 KEPT = (
     "load", "film_thickness", "maximum_pressure", "position", "velocity", "valve_lift", "spring_force",
     "seat_force", "minimum_film_thickness", "friction_torque", "supplied_torque", "pressure", "extension",
-    "cam_lift",
+    "cam_lift", "force", "lower_force", "upper_force", "pivot_force", "support_force",
     # What moves the drawing of the report.
     "cam_angle", "profile_angle", "rotation", "pivot_position", "coil_position", "half_width",
     "radius_of_curvature", "tip_contact_radius",
@@ -96,7 +98,8 @@ class SpeedSubject(NumberedSubject):
         cycle = self.find_cycle_at(speed)
         if self.folder is not None:
             angle = Part(to_motion(cycle, self.flywheel), self.flywheel).angle
-            save_cycle(cycle, angle, cycle_path(Path(self.folder), speed))
+            modes = find_open_modes(cycle)
+            save_cycle(cycle, angle, modes, cycle_path(Path(self.folder), speed))
         return measure_cycle(cycle, self.flywheel)
 
 
@@ -177,8 +180,16 @@ def _describe(quantity: Quantity) -> dict[str, str]:
     return {"units": quantity.unit, "long_name": quantity.description, **shown}
 
 
-def save_cycle(cycle: Cycle, angle: Vector, path: Path) -> None:
-    """The angle and the main outputs, in SI units."""
+def find_open_modes(cycle: Cycle) -> list[Mode]:
+    """The natural oscillations where the first train's valve is at its largest lift; none without a valve."""
+    for train in find_trains(cycle.system):
+        row = int(np.argmax(cycle[train.lift]))
+        return find_modes(cycle.system, float(cycle.times[row]), cycle.states[row])
+    return []
+
+
+def save_cycle(cycle: Cycle, angle: Vector, modes: Sequence[Mode], path: Path) -> None:
+    """The angle and the main outputs, in SI units, and the natural oscillations in attributes."""
     fields = {
         f"{part}.{field.name}": field.quantity
         for part, instance in cycle.system.instances.items()
@@ -191,7 +202,12 @@ def save_cycle(cycle: Cycle, angle: Vector, path: Path) -> None:
             "time": ("time", cycle.times[::KEPT_EVERY], {"units": "s"}),
             "cam_angle": ("time", angle[::KEPT_EVERY], {"units": "rad"}),
         },
-        {"steady": int(cycle.steady)},
+        {
+            "steady": int(cycle.steady),
+            "natural_frequencies": [mode.frequency for mode in modes],
+            "damping_ratios": [mode.damping for mode in modes],
+            "moving_states": [mode.state for mode in modes],
+        },
     )
     path.parent.mkdir(parents=True, exist_ok=True)
     data.to_netcdf(path, engine="h5netcdf")

@@ -16,7 +16,6 @@ from rich.table import Column, Table
 
 from models.contact.films import GROWING
 from models.core.roles import Contact
-from models.core.system import System
 from models.core.words import tally
 from models.monolithic.cycle import STEADY
 
@@ -25,9 +24,9 @@ from ...assessment.contacts.lines import FED
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
-from ...assessment.trains import list_parts, parameter_of
+from ...assessment.trains import list_parts
 from ...errors import MistakeError, Option
-from ...plots.speeds import NATURAL, draw_campbell, draw_map, draw_summary
+from ...plots.speeds import draw_campbell, draw_map, draw_summary, list_oscillations
 from ...plots.style import save_figure
 from ...reporter import Reporter, tell_interruption
 from ...scenario import build_scenario
@@ -53,6 +52,8 @@ from .separation import (
 from .subject import SPEED, SpeedSubject, count_turns, cycle_path, find_flywheel
 
 FOLDER = "cycles"  # with a file for each cycle
+# Natural oscillations that are printed, from the slowest; contacts have more, far above the cam's orders.
+TOLD = 5
 RPM = 30.0 / math.pi
 
 
@@ -133,7 +134,7 @@ def _conclude(
     }
     (out / SWEPT).write_text(toml, "utf-8")
     (out / SUMMARY).write_text(json.dumps(summary, indent=1) + "\n", "utf-8")
-    files = publish(subject, table, out, first and first.speed)
+    files = publish(subject, table, out, first and first.speed, reporter)
     if (out / CYCLES) in files:
         from ...report import write_report  # reads what is above
 
@@ -293,8 +294,11 @@ def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[s
         )
 
 
-def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation: float | None) -> list[Path]:
-    """Figures with the speed of separation (r/min), and all cycles over angle and speed in one file."""
+def publish(
+    subject: SpeedSubject, table: xarray.Dataset, out: Path, separation: float | None, reporter: Reporter
+) -> list[Path]:
+    """Figures with the speed of separation (r/min), and all cycles over angle and speed in one file, with the
+    natural frequencies, which are told."""
     design = subject.scenario.name
     system = subject.system_at(float(table["speed"][0]))
     files = [save_figure(lambda: draw_summary({design: table}, {design: separation}), out / "speeds.png")]
@@ -305,12 +309,16 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation:
     ]
     if len(cycles) < 2:
         return files
-    joined = join_cycles(cycles).assign_attrs(
-        cam_ratio=1.0 / count_turns(system),
-        **{f"{kind}_frequencies": found for kind, found in find_natural_frequencies(system).items() if found},
-    )
+    joined = join_cycles(cycles).assign_attrs(cam_ratio=1.0 / count_turns(system))
     joined.to_netcdf(out / CYCLES, engine="h5netcdf")
     files.append(out / CYCLES)
+    if modes := list_oscillations(joined):
+        reporter.line(
+            f"natural frequencies at the largest lift, {float(joined['speed'][0]) * RPM:.0f} r/min: "
+            + "; ".join(
+                f"{hz:.4g} Hz (damping ratio {ratio:.2g}, {state})" for hz, ratio, state in modes[:TOLD]
+            )
+        )
     lost = find_lost(table.sel(speed=joined["speed"].values))
     for load_name in [f"{name}.load" for name in list_parts(system, Contact)[:2]]:
         stem = load_name.replace(".", "-")
@@ -319,22 +327,11 @@ def publish(subject: SpeedSubject, table: xarray.Dataset, out: Path, separation:
     return files
 
 
-def find_natural_frequencies(system: System) -> dict[str, list[float]]:
-    """Of springs and shafts (Hz), as their parameters state them, by kind."""
-    found = {
-        kind: {
-            parameter_of(instance, name)
-            for instance in system.instances.values()
-            for name in instance.component.parameters.names
-            if name.startswith(f"{kind}_frequency")
-        }
-        for kind in NATURAL
-    }
-    return {kind: sorted(frequencies) for kind, frequencies in found.items()}
-
-
 def join_cycles(cycles: list[tuple[float, Path]]) -> xarray.Dataset:
-    """All cycles over (speed, share of the period): the cam angle is a variable, as a shaft may twist."""
+    """All cycles over (speed, share of the period): the cam angle is a variable, as a shaft may twist.
+
+    The natural oscillations are those of the lowest speed.
+    """
     parts = []
     for speed, path in cycles:
         with xarray.open_dataset(path, engine="h5netcdf") as data:
@@ -342,7 +339,7 @@ def join_cycles(cycles: list[tuple[float, Path]]) -> xarray.Dataset:
         share = np.linspace(0.0, 1.0, part.sizes["time"])
         part = part.reset_coords("cam_angle").assign_coords(time=share).rename(time="share")
         parts.append(part.expand_dims(speed=[speed]))
-    joined = xarray.concat(parts, "speed", join="exact", combine_attrs="drop")
+    joined = xarray.concat(parts, "speed", join="exact", combine_attrs="override")
     for name, values in joined.data_vars.items():
         values.attrs.update(parts[0][name].attrs)
     joined["speed"].attrs["units"] = "rad/s"
