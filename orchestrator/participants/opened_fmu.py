@@ -86,7 +86,7 @@ class OpenedFmu:
     def __init__(self, name: str, path: Path, settings: FmuSettings, folder: Path | None = None) -> None:
         self.name, self._settings = name, settings
         self._errors = ErrorReporter(name)
-        self._instantiated = False
+        self._instantiated = self._ended = False
         self._delete: Callable[[], None] = lambda: None  # what was unpacked for it
         try:
             description = read_description(path, settings.interface, settings.sizes)
@@ -186,11 +186,18 @@ class OpenedFmu:
         """How many there were, by status or by message, and the first message."""
         return max(self._fmi.warned, self._errors.warnings), self._errors.first_warning
 
+    def terminate(self) -> None:
+        """End the simulation, which `close` does silently; no call but that may follow."""
+        self._ended = True
+        with self._errors.name_errors("terminate"):
+            self._fmi.terminate()
+
     def close(self) -> None:
         # After fmi2Fatal the standard allows no call at all; the instance is given up.
         if self._instantiated and not self._errors.fatal:
             with contextlib.suppress(Exception):
-                self._fmi.terminate()
+                if not self._ended:
+                    self._fmi.terminate()
             with contextlib.suppress(Exception):
                 self._fmi.free()
         self._instantiated = False

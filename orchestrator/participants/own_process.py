@@ -102,7 +102,7 @@ class OwnProcess:
     def initialise(self, start_time: float, stop_time: float) -> None:
         self._call("initialise", start_time=start_time, stop_time=stop_time)
 
-    finish_initialisation = ask("finish_initialisation")
+    finish_initialisation, terminate = ask("finish_initialisation"), ask("terminate")
 
     def _ask(self, kind: bytes, *parts: Any) -> bytes:
         """Send a message and return the answer; raise the error that it contains."""

@@ -1,5 +1,6 @@
 """What FMUs cannot do is refused; what they say that they can is tried before the run depends on it."""
 
+import re
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile
@@ -7,6 +8,7 @@ from zipfile import ZipFile
 import numpy as np
 import pytest
 
+import tribocosim
 from fmus.fmi.validate import validate
 from orchestrator.participants.description import DescriptionError, read_description
 from orchestrator.participants.third_party import read_component
@@ -239,3 +241,36 @@ def test_third_party_fmus_alone_begin_as_given_unless_they_are_told_otherwise(tm
     assert build_scenario(parse_toml(to_full_toml(made))).notes == []
     with pytest.raises(ScenarioError, match="set start = 'given'"):
         build_system(build_scenario(content | {"start": "equilibrium"}))
+
+
+# What of an FMU fails that is tried: in which version of FMI, and what is said.
+FAILING = {
+    "unready": (2, "co-simulation: initialise: .*not ready"),
+    "blind": (3, "co-simulation: its process ended by SIGSEGV in the reading of outputs$"),
+    "unreadable": (2, "co-simulation: reading the outputs returned -1"),
+    "unstepped": (
+        2,
+        "co-simulation: step from t = 0 s by 0.01 s returned 7, which is no status of FMI: no message$",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", FAILING)
+def test_what_fails_of_an_fmu_by_itself_is_found_before_a_run(name, tmp_path):
+    """A file in order says nothing of that; the call is named."""
+    version, said = FAILING[name]
+    found = tribocosim.validate_fmu(fmu(name, version, tmp_path))
+    assert found.remarks == []
+    (fault,) = found.faults
+    assert re.match(said, fault), fault
+
+
+def test_an_output_that_follows_an_input_undeclared_is_found(tmp_path):
+    """Masters and references take its dependencies at their word."""
+    path = fmu("feedthrough", 2, tmp_path)
+    right = tribocosim.validate_fmu(path)
+    given = tmp_path / "wrong.fmu", '"2" dependencies="1"', '"2" dependencies=""'
+    found = tribocosim.validate_fmu(replace_text(path, *given))
+    assert right.faults == found.faults == []
+    (remark,) = set(found.remarks) - set(right.remarks)
+    assert remark.startswith("real out depends on real in at the same instant, but its dependencies in Model")

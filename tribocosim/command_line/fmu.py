@@ -144,7 +144,7 @@ def _parse_size(text: str) -> tuple[str, int]:
 def fmu_validate(
     files: Annotated[list[Path], typer.Argument(help="The .fmu files.")], as_json: Json = False
 ) -> int:
-    """Check whether FMU files run here and conform to the standard.
+    """Check whether FMU files conform to the standard and run here, a few steps each.
 
     Exit status 1 if there is a finding.
     """

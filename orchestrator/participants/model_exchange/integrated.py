@@ -131,7 +131,8 @@ class IntegratedFmu:
         self._problem = DrivenEquations(self._fmu)
         self._time, self._z = 0.0, np.zeros(self._problem.nominal.size)
         self._stiff = self._jumped = False
-        self.initialise, self.close = self._fmu.initialise, self._fmu.close
+        self.initialise = self._fmu.initialise
+        self.terminate, self.close = self._fmu.terminate, self._fmu.close
 
     def signal_degrees(self, input_names: Sequence[str]) -> Sequence[int]:
         return signal_degrees(self._fmu.description, input_names)
