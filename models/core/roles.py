@@ -118,15 +118,17 @@ class Valve(Role):
 
 
 class CoilSpring(Role):
-    """A spring apart from the valve. Parameters: the gaps of its coils."""
+    """A spring apart from the valve. Input: `position`, zero with the valve closed. Parameters: the
+    `preload` there, and the gaps of its coils."""
 
     outputs = ("force", "least_gap", "clash_force")
 
 
 class LoadedSpring(Role):
-    """A spring in one part with the valve that it closes. Parameters: `preload`, `spring_rate`."""
+    """A spring in one part with the valve that it closes. Parameters: `preload` of the closed valve,
+    `spring_rate`."""
 
-    outputs = ("least_gap", "position", "spring_force")
+    outputs = ("least_gap", "valve_lift", "spring_force")
 
 
 class Adjuster(Role):

@@ -43,9 +43,10 @@ def direct_train(
     camshaft, valve = parts["camshaft"], parts["valve_spring"]
     angle = float(camshaft.drive_ratio * states["flywheel"].angle)
     length = float(camshaft.shaft_length)
+    closed = 0.0, float(camshaft.base_radius + valve.lash), length
     coils = hang_coils(
         valve, "follower", [f"spring mass {i + 5}" for i in range(coil_masses)],
-        (0.0, float(camshaft.base_radius), length), Y, states["valve_spring"].coil_position,
+        closed, Y, states["valve_spring"].coil_position,
     )  # fmt: skip
     joints = [
         cylindrical(BEARING, GROUND, "shaft"),
@@ -66,8 +67,7 @@ def direct_train(
     else:
         joints.append(fixed("shaft and cam", "shaft", "cam", at_i=(0.0, 0.0, length)))
     if valve.seat_stiffness > 0.0:
-        at_rest = (0.0, float(camshaft.base_radius + valve.lash), length)
-        seat = plane_contact(SEAT, GROUND, "follower", at_i=at_rest)
+        seat = plane_contact(SEAT, GROUND, "follower", at_i=closed)
         forces.append(ContactSpring(seat, valve.seat_stiffness, valve.seat_damping))
     bodies = [*_list_bodies(camshaft, valve, speed, angle, states), *coils.bodies]
     return Mechanism(bodies, joints, forces, profile=profile)

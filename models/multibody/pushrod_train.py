@@ -64,7 +64,7 @@ class PushrodTrain:
 
     @cached_property
     def heights(self) -> tuple[float, float, float]:
-        """Of the tappet, of the rocker's pivot and of the valve (m), with the valve closed."""
+        """Of the tappet, of the rocker's pivot and of the valve (m), without lash, with the valve closed."""
         r, rod, tappet = self.parts["rocker"], self.parts["pushrod"], float(self.parts["tappet"].base_radius)
         # At the angle 0 the ends are tip_radius -+ arm sin(angle) below the pivot.
         pivot = tappet + rod.length + rod.clearance + r.tip_radius + r.rod_arm * math.sin(r.rod_angle)
@@ -77,6 +77,11 @@ class PushrodTrain:
         pivot = float(r.rod_arm * math.cos(r.rod_angle))
         return pivot, pivot + float(r.valve_arm * math.cos(r.valve_angle))
 
+    @property
+    def closed(self) -> Point:
+        """Where the valve sits on its seat (m)."""
+        return self.columns[1], self.heights[2] - float(self.parts["valve_spring"].lash), 0.0
+
     @cached_property
     def rods(self) -> list[str]:
         """Names of the pushrod's segments, from the tappet on."""
@@ -85,8 +90,8 @@ class PushrodTrain:
     @cached_property
     def coils(self) -> Coils:
         names = [f"spring mass {i + 1}" for i in range(self.coil_masses)]
-        place, spring = (self.columns[1], self.heights[2], 0.0), self.parts["valve_spring"]
-        return hang_coils(spring, "valve", names, place, DOWN, self.states["valve_spring"].coil_position)
+        spring, moved = self.parts["valve_spring"], self.states["valve_spring"].coil_position
+        return hang_coils(spring, "valve", names, self.closed, DOWN, moved)
 
     @property
     def _length(self) -> float:
@@ -175,8 +180,7 @@ class PushrodTrain:
         if name == SEAT:
             return plane_contact(name, "tappet", self.rods[0], at_j=(0.0, -half, 0.0))
         if name == VALVE_SEAT:
-            lashed = (self.columns[1], self.heights[2] - float(self.parts["valve_spring"].lash), 0.0)
-            return plane_contact(name, GROUND, "valve", normal=DOWN, at_i=lashed)
+            return plane_contact(name, GROUND, "valve", normal=DOWN, at_i=self.closed)
         radius, constant = float(r.tip_radius), bool(r.small_motion)
         if name == ROD_END:
             # The arm rises, and the lever turns against the axis Z, as the pushrod lifts it.

@@ -26,7 +26,11 @@ class Parameters:
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
     preload: float = kinds.FORCE(
-        "force f_p at position zero", 330.0, nominal=300.0, minimum=0.0, plausible=PRELOAD
+        "force f_p with the valve closed, at position zero",
+        330.0,
+        nominal=300.0,
+        minimum=0.0,
+        plausible=PRELOAD,
     )
     gap: Vector = kinds.DISPLACEMENT.each(
         "compression of a segment at which its coils close, from the moving end",
@@ -49,7 +53,7 @@ class State:
 
 @dataclass
 class Inputs:
-    position: float = kinds.DISPLACEMENT("position of the moving end")
+    position: float = kinds.DISPLACEMENT("position of the moving end, zero with the valve closed")
     velocity: float = kinds.VELOCITY("velocity of the moving end")
 
 

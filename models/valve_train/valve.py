@@ -9,7 +9,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..plausible import VALVE_MASS
-from .valve_spring import seat_force
+from .valve_spring import NO_SEAT, seat_force
 
 
 @dataclass
@@ -21,8 +21,10 @@ class Parameters:
         positive=True,
         plausible=VALVE_MASS,
     )
-    lash: float = kinds.LASH("position at which the valve sits on its seat")
-    seat_stiffness: float = kinds.SEAT_STIFFNESS("stiffness of the seat", 2e7, nominal=1e7, positive=True)
+    lash: float = kinds.LASH("position at which the valve is closed")
+    seat_stiffness: float = kinds.SEAT_STIFFNESS(
+        "stiffness of the seat; 0: no seat", 2e7, nominal=1e7, minimum=0.0
+    )
     seat_damping: float = kinds.DAMPING("damping of the seat while touching", 300.0, nominal=1e2)
     guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0)
 
@@ -46,7 +48,7 @@ class Outputs(State):
     acceleration: float = kinds.ACCELERATION("acceleration of the valve")
     valve_lift: float = kinds.DISPLACEMENT("lift: position less lash")
     seat_force: float = kinds.FORCE("force of the seat on the valve")
-    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat")
+    seat_dip: float = kinds.DEFLECTION("dip of the valve into its seat; -1 m without a seat", NO_SEAT)
 
 
 @kernel
@@ -70,7 +72,7 @@ def output(t: float, x: State, u: Inputs, p: Parameters, y: Outputs) -> None:
     y.acceleration = accelerate(x, u, p)
     y.valve_lift = x.position - p.lash
     y.seat_force = seat_force(p, x.position, x.velocity)
-    y.seat_dip = p.lash - x.position
+    y.seat_dip = p.lash - x.position if p.seat_stiffness > 0.0 else NO_SEAT
 
 
 @kernel

@@ -23,7 +23,9 @@ from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, W
 # A dip that is far from any event.
 NO_SEAT = -1.0
 
-COIL_POSITION = kinds.PLACE.of("coil displacement y5, y6, ... from rest", nominal=1e-3, size="coil_masses")
+COIL_POSITION = kinds.PLACE.of(
+    "coil displacement y5, y6, ... from that with the valve closed", nominal=1e-3, size="coil_masses"
+)
 
 
 @dataclass
@@ -37,14 +39,18 @@ class ValveSpringParameters:
     surge_frequency: SurgeFrequency = 504.5
     damping_ratio: SurgeDamping = 0.02
     preload: float = kinds.FORCE(
-        "spring force f_p at zero lift", 330.0, nominal=300.0, minimum=0.0, plausible=PRELOAD
+        "spring force f_p with the valve closed, for any lash",
+        330.0,
+        nominal=300.0,
+        minimum=0.0,
+        plausible=PRELOAD,
     )
     lash: float = kinds.LASH("follower position at which the valve sits on its seat")
     seat_stiffness: float = kinds.SEAT_STIFFNESS(
         "stiffness of the valve seat; 0: no seat", nominal=1e7, minimum=0.0
     )
     seat_damping: float = kinds.DAMPING("damping of the valve seat while touching", nominal=1e2)
-    clash_clearance: float = kinds.CAM_LIFT("travel after which all coils touch", 0.02)
+    clash_clearance: float = kinds.CAM_LIFT("lift of the valve at which all coils touch", 0.02)
     clash_stiffness: float = kinds.SEAT_STIFFNESS(
         "added rate between coils that touch", nominal=1e6, minimum=0.0
     )
@@ -153,8 +159,8 @@ def segment_energy(p: ValveSpringParameters, share: float, compression: float) -
 def valve_spring(coil_masses: int = 2) -> Component:
     """Valve and spring with `coil_masses` coil masses.
 
-    m3 y3'' = W - f_p - f_gas - [k_e (y3-y5) + c_e (y3'-y5')] + seat force - F_g, and for every coil mass
-    m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
+    m3 y3'' = W - f_p - f_gas - [k_e (y3-lash-y5) + c_e (y3'-y5')] + seat force - F_g, and for every coil
+    mass m y'' = (force of the segment above) - (force of the segment below); the last segment ends on the
     fixed head. W is the input `load`.
     """
     n = coil_masses
@@ -163,14 +169,15 @@ def valve_spring(coil_masses: int = 2) -> Component:
     @kernel
     def least_gap(p: ValveSpringParameters, x: ValveSpringState) -> float:
         """The clearance less the largest compression of a segment, as travel of a spring of such segments."""
-        most = end_share * max(x.position - x.coil_position[0], x.coil_position[n - 1])
+        most = end_share * max(x.position - p.lash - x.coil_position[0], x.coil_position[n - 1])
         for i in range(n - 1):
             most = max(most, inner_share * (x.coil_position[i] - x.coil_position[i + 1]))
         return p.clash_clearance - most
 
     @kernel
     def spring_on_follower(p: ValveSpringParameters, x: ValveSpringState) -> float:
-        return segment_force(p, end_share, x.position - x.coil_position[0], x.velocity - x.coil_velocity[0])
+        compression = x.position - p.lash - x.coil_position[0]
+        return segment_force(p, end_share, compression, x.velocity - x.coil_velocity[0])
 
     @kernel
     def acceleration(x: ValveSpringState, u: ValveSpringInputs, p: ValveSpringParameters) -> float:
@@ -222,7 +229,7 @@ def valve_spring(coil_masses: int = 2) -> Component:
         stored = 0.5 * p.valve_mass * x.velocity**2 + p.preload * x.position + 0.5 * p.seat_stiffness * dip**2
         # What the seat does not give back of k dip^2/2.
         lost = x.velocity * (p.seat_stiffness * dip - seat_force(p, x.position, x.velocity))
-        above_y, above_v = x.position, x.velocity
+        above_y, above_v = x.position - p.lash, x.velocity
         for i in range(n + 1):
             share = end_share if i == 0 or i == n else inner_share
             below_y = x.coil_position[i] if i < n else 0.0

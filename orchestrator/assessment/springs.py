@@ -14,7 +14,7 @@ STRESS = Quantity("Pa", "largest shear stress in the wire", display_unit="MPa")
 
 def _surge(part: Part) -> Found:
     """Largest force of the coils' own motion: the spring's less that of its static rate."""
-    static = part.parameter("preload") + part.parameter("spring_rate") * part["position"]
+    static = part.parameter("preload") + part.parameter("spring_rate") * part["valve_lift"]
     return Found.largest(np.abs(part["spring_force"] - static))
 
 

@@ -91,7 +91,8 @@ def draw_valve(sketch: Sketch, parts: Parts, valve: str, x: float, y: float) -> 
         corners = [(x + side * across, at) for across, at in [*port, (3.5, end - 14.0)]]
         sketch.polygon("ground", GROUND, corners, "head")
     springs = [valve] if parts.has(f"{valve}.coil_position[1]") else []
-    springs += [name for name in parts.list_driven(f"{valve}.position") if parts.has_role(name, CoilSpring)]
+    moved = [*parts.list_driven(f"{valve}.position"), *parts.list_driven(f"{valve}.valve_lift")]
+    springs += [name for name in moved if parts.has_role(name, CoilSpring)]
     for number, spring in enumerate(springs):
         _draw_spring(sketch, parts, spring, moving, (x, y + 6.0), plate, COIL - 4.0 * number)
 

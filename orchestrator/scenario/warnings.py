@@ -48,7 +48,7 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *list_doubtful(scenario),
         *_list_still(scenario),
         *_list_idle(scenario),
-        *_list_held_open(scenario),
+        *_doubt_lashes(scenario),
         *_list_notes(scenario),
         *doubt_oils(scenario),
         *_list_unloaded(scenario),
@@ -115,14 +115,21 @@ def _list_idle(scenario: Scenario) -> Iterator[str]:
             )
 
 
-def _list_held_open(scenario: Scenario) -> Iterator[str]:
-    """Doubt valves that their lash keeps open."""
+def _doubt_lashes(scenario: Scenario) -> Iterator[str]:
+    """Doubt valves that their lash keeps open, and springs that it compresses."""
+    parts = {name: table.resolve() for name, table in scenario.components.items()}
+    springs = {f"{name}.position" for name, part in parts.items() if part.has_role(roles.CoilSpring)}
     for name, table in scenario.components.items():
-        lash = float(table.parameters.get("lash", 0.0)) if table.resolve().has_role(roles.Valve) else 0.0
+        lash = float(table.parameters.get("lash", 0.0)) if parts[name].has_role(roles.Valve) else 0.0
+        given = f"components.{name}.parameters.lash = {1e3 * lash:.6g} mm"
         if lash < 0.0:
             held = f"{-1e3 * lash:.6g} mm"
-            said = f"the cam holds the valve open by {held} on its base circle; is it meant?"
-            yield f"components.{name}.parameters.lash = -{held}: {said}"
+            yield f"{given}: the cam holds the valve open by {held} on its base circle; is it meant?"
+        for line in scenario.lines if lash else ():
+            if line.source == f"{name}.position" and line.target in springs and line.offset is None:
+                spring = line.target.partition(".")[0]
+                said = f"the closed valve compresses {spring} by it, beyond the preload"
+                yield f"{given}: {said}; connect {name}.valve_lift -> {line.target}"
 
 
 def _list_notes(scenario: Scenario) -> list[str]:

@@ -12,7 +12,6 @@ from models.valve_train.wire_spring import WireSpring
 
 from .fields import Table, in_unit
 from .messages import join_keys, place_faults
-from .units import to_unit
 from .values import Faults, Inserted, WithUnit, build_component
 
 Length = Annotated[float, in_unit("m")]
@@ -127,12 +126,11 @@ def insert_wire(table: dict[str, Any]) -> Inserted:
     except Faults as error:
         raise Faults(*(replace(one, place=join_keys("wire", one.place)) for one in error.faults)) from None
     component = build_component(table["component"], tuple(table.get("structure", {}).items()))
-    lash = _read_lash(given.get("lash", 0.0))  # the closed valve has compressed the spring by it
     travel = spring.solid_travel - spring.compress(force)
     found = {
         "spring_rate": spring.rate(force),
         "surge_frequency": float(spring.surge_frequencies(force)[0]),
-        "preload": max(0.0, force - spring.rate(force) * lash),
+        "preload": force,
         "wire_stress": float((spring.stress_by_force * spring.is_open(force)).max()),
         "wire_amplitude": spring.fatigue.amplitude,
         "wire_strength": spring.fatigue.mean,
@@ -140,21 +138,13 @@ def insert_wire(table: dict[str, Any]) -> Inserted:
     if segments := component.structure.get("segments"):
         found |= {f"gap[{i}]": gap for i, gap in enumerate(map(float, spring.cut(force, segments)), 1)}
     else:
-        found["clash_clearance"] = travel + lash
+        found["clash_clearance"] = travel
     note = (
         f"its wire gives {found['spring_rate'] / 1e3:.4g} N/mm, {found['surge_frequency']:.4g} Hz, "
         f"{force:.4g} N installed ({found['wire_stress'] * force / MPA:.4g} MPa), "
         f"{1e3 * travel:.4g} mm until all coils touch"
     )
     return Inserted({name: WithUnit(value) for name, value in found.items()}, notes=[note])
-
-
-def _read_lash(written: Any) -> float:
-    """In m; 0 for what is no length, which the check of the parameters names."""
-    try:
-        return to_unit(written, "m") if isinstance(written, str) else float(written)
-    except (TypeError, ValueError):
-        return 0.0
 
 
 def replace_rate(table: dict[str, Any]) -> None:

@@ -8,11 +8,14 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from models.catalogue import CATALOGUE
-from models.core.evaluation import Evaluation
+from models.core import roles
+from models.core.evaluation import Evaluation, Interpreted
 from models.core.system import Instance, System
 from models.monolithic import equilibrium, solve
 from models.valve_train.cams.law import law_lift
 from models.valve_train.camshaft import camshaft
+from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 
 from .systems import DRY, outputs_of, rates_of, turn, valve_train
 
@@ -46,8 +49,36 @@ def test_valve_bounces_on_its_seat_and_loses_energy_each_time():
 def test_valve_comes_to_rest_on_its_seat():
     """k dip = preload, less the spring's own give."""
     system = dropped(2e-3, lash=1e-4)
-    position = equilibrium(system)[system.state.names.index("valve.position")]
-    assert 2e7 * (1e-4 - position) == pytest.approx(330.0 + 35e3 * position, rel=1e-9)
+    lift = equilibrium(system)[system.state.names.index("valve.position")] - 1e-4
+    assert -2e7 * lift == pytest.approx(330.0 + 35e3 * lift, rel=1e-9)
+
+
+@pytest.mark.plain
+@pytest.mark.parametrize("lash", [-0.1e-3, 0.0, 0.25e-3])
+@pytest.mark.parametrize(
+    ("name", "valve"),
+    [
+        *(("seat-and-lash", "valve_spring"), ("finger-follower", "valve_spring")),
+        *(("pushrod-train", "valve_spring"), ("direct-acting-hla", "valve_spring")),
+        *(("finger-follower-hla", "valve_spring"), ("coil-clash", "valve"), ("valve-stem", "retainer")),
+    ],
+)
+def test_the_preload_is_the_force_on_the_closed_valve_for_any_lash(name, valve, lash):
+    """Of coils at rest, which have all their travel to coil bind."""
+    system = build_system(load(name, [f"components.{valve}.parameters.lash={lash}"]))
+    x = system.x0.copy()
+    x[system.state.names.index(f"{valve}.position")] = lash
+    y = dict(zip(system.outputs.names, Interpreted(system).outputs(0.0, x), strict=True))
+    springs = 0
+    for part, instance in system.instances.items():
+        if instance.component.has_role(roles.LoadedSpring, roles.CoilSpring):
+            p = instance.component.parameters.named(system.p[system.parameters.of(part)])
+            force = "spring_force" if f"{part}.spring_force" in y else "force"
+            assert y[f"{part}.{force}"] == pytest.approx(p["preload"], rel=1e-12)
+            travel = p["clash_clearance"] if "clash_clearance" in p else 9 * p["gap[1]"]
+            assert y[f"{part}.least_gap"] == pytest.approx(travel, rel=1e-12)
+            springs += 1
+    assert springs == (2 if name == "valve-stem" else 1)
 
 
 def test_seat_never_pulls():

@@ -214,3 +214,15 @@ def test_a_lash_that_holds_the_valve_open_is_doubted():
         list_warnings(load("seat-and-lash"))
     )
     assert said.startswith(f"{path} = -0.1 mm: the cam holds the valve open by 0.1 mm on")
+
+
+def test_a_spring_that_lash_compresses_is_doubted(tmp_path):
+    """One that takes the position of a valve with lash, and not its lift."""
+    file = tmp_path / "wrong.toml"
+    own, other = "valve.valve_lift -> spring.position", "valve.position -> spring.position"
+    file.write_text(f'extends = "coil-clash"\nwithout = ["{own}"]\nconnections = ["{other}"]\n')
+    (said,) = set(list_warnings(load(file))) - set(list_warnings(load("coil-clash")))
+    path = "components.valve.parameters.lash"
+    assert said.startswith(f"{path} = 0.2 mm: the closed valve compresses spring by it")
+    assert own in said
+    assert not [one for one in list_warnings(load(file, [f"{path}=0"])) if "spring" in one]
