@@ -17,7 +17,11 @@ from models.slider_crank.motions.machine import FORMS
 from orchestrator.analyses import _evaluate, list_analyses, load
 from orchestrator.analyses._evaluate import analyse, parse_setting
 from orchestrator.analyses.poincare import draw_poincare, magnify
+from orchestrator.analyses.stability.behaviour import StepBehaviour
+from orchestrator.analyses.stability.report import format_row
+from orchestrator.analyses.stability.survey import AssessedMethod
 from orchestrator.errors import MistakeError
+from orchestrator.masters import Iterated
 from orchestrator.plots.motion import format_angle, shift_to_first_turn
 from orchestrator.plots.style import create_subplots
 from tests.fmus.names import mark_long
@@ -110,6 +114,7 @@ def test_files_read_back(tmp_path):
         (["valve-train", "--at", "1 s"], "between 0 and stop_time"),
         (["valve-train", "--set", "macro_stp=1"], "unknown key"),
         (["nothing.toml"], "no such scenario file"),
+        (["two-masses", "--set", "tolerance={}", "--set", "reference.enabled=false"], "tolerance: missing"),
     ],
 )
 def test_refusals(arguments, key, tmp_path):
@@ -119,6 +124,19 @@ def test_refusals(arguments, key, tmp_path):
     assert key in done.stderr
     assert done.stderr.count("\n") == 1
     assert not list(tmp_path.rglob("*.*"))
+
+
+def test_a_limit_beyond_the_longest_step_tried_is_no_step():
+    samples = [StepBehaviour(step, 0.9, contraction) for step, contraction in ((1e-3, 0.5), (4e-3, 0.8))]
+    errors = {1e-3: {"a.x": 1e-5}, 2e-3: {"a.x": 1e-4}}
+    found = Mock(scenario=Mock(macro_step=1e-3), methods=[])
+    for limit, accurate, cells in (
+        (math.inf, 2e-3, ("≥ 4 ms", "≥ 4 ms", "≥ 2 ms")),
+        (3e-3, 1.5e-3, ("3 ms", "≥ 4 ms", "1.5 ms")),
+    ):
+        method = AssessedMethod(Iterated(), samples, limit, errors=errors, accurate_step=accurate)
+        _, stable, contracts, _, within, *_ = format_row(found, method)
+        assert (stable, contracts, within) == cells
 
 
 @pytest.mark.parametrize(

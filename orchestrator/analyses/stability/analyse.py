@@ -14,7 +14,7 @@ from ...scenario.system import Resolved, resolve
 from ...scenario.units import UnitError, to_unit
 from .._evaluate import create_folder, find_results
 from .linearisation import open_linearisations
-from .survey import EVERY, Scope, Survey, survey
+from .survey import EVERY, Scope, Survey, check_comparable, survey
 
 FILE = "stability"
 
@@ -67,11 +67,15 @@ def survey_scenario(
     Its matrices are small: a second thread of the linear algebra would only wait.
     """
     scenario, system = resolved.scenario, resolved.system
+    check_comparable(scenario)
     check_lash(system)
-    with reporter.stage(CHOICE) as bar, threadpool_limits(limits=1, user_api="blas"):
-        plans = plan_participants(scenario, resolved.assembly.linear, None)
-        with open_linearisations(scenario, system, plans) as participants:
-            return survey(scenario, system, plans, participants, instants, bar.show, scope)
+    plans = plan_participants(scenario, resolved.assembly.linear, None)
+    with (
+        open_linearisations(scenario, system, plans) as participants,
+        reporter.stage(CHOICE) as bar,
+        threadpool_limits(limits=1, user_api="blas"),
+    ):
+        return survey(scenario, system, plans, participants, instants, bar.show, scope)
 
 
 def parse_instants(at: Sequence[str], stop: float) -> list[float]:

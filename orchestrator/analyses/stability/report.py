@@ -51,9 +51,9 @@ def format_row(found: Survey, method: AssessedMethod) -> list[str]:
     return [
         _format_name(found, method),
         _format_limit(method),
-        "" if not method.master.implicit else format_time(method.contracting_step),
+        "" if not method.master.implicit else _format_tried(method.contracting_step, method.samples[-1].step),
         _format_error(found, method),
-        format_time(method.accurate_step),
+        _format_tried(method.accurate_step, max(method.errors, default=math.inf)),
         format_time(method.advised_step),
         f"{method.cost:.2g}" if math.isfinite(method.cost) else "-",
     ]
@@ -69,9 +69,12 @@ def _format_name(found: Survey, method: AssessedMethod) -> str:
 
 
 def _format_limit(method: AssessedMethod) -> str:
-    return (
-        f"> {format_time(method.samples[-1].step)}" if math.isinf(method.limit) else format_time(method.limit)
-    )
+    return _format_tried(method.limit, method.samples[-1].step if math.isinf(method.limit) else math.inf)
+
+
+def _format_tried(step: float, last: float) -> str:
+    """A limit, or the `last` step tried where it lies beyond."""
+    return f"≥ {format_time(last)}" if step >= last else format_time(step)
 
 
 def _format_error(found: Survey, method: AssessedMethod) -> str:

@@ -110,17 +110,7 @@ def survey(
     linearise. The scenario's own master is assessed beside those in `scope`.
     """
     watched = [parse_port(n, system.instances, "output") for n in scenario.tolerance]
-    if not watched:
-        raise ScenarioError(
-            "tolerance: missing; state the error allowed of an output, by which methods are compared"
-        )
     limits = FmuLimits(scenario)
-    if limits.stepwise:
-        names = ", ".join(map(str, dict.fromkeys(limits.stepwise)))
-        raise ScenarioError(
-            f"{names}: declared discrete, so held over each macro step; the error of such a signal cannot be "
-            "predicted"
-        )
     interval = scenario.macro_step / FINER
     count = min(INSTANTS, round(scenario.stop_time / interval))
     trajectory = _find_course(
@@ -143,6 +133,20 @@ def survey(
     usable = (m for m in found.methods if limits.restorable or not m.master.implicit)
     found.best = next((m for m in usable if m.advised_step > 0.0), None)
     return found
+
+
+def check_comparable(scenario: Scenario) -> None:
+    """ScenarioError for one whose methods no predicted error compares."""
+    if not scenario.tolerance:
+        raise ScenarioError(
+            "tolerance: missing; state the error allowed of an output, by which methods are compared"
+        )
+    if stepwise := FmuLimits(scenario).stepwise:
+        names = ", ".join(map(str, dict.fromkeys(stepwise)))
+        raise ScenarioError(
+            f"{names}: declared discrete, so held over each macro step; the error of such a signal cannot be "
+            "predicted"
+        )
 
 
 def _find_course(
