@@ -224,6 +224,12 @@ class Layout:
         # The names of those that are variables: all but internal ones.
         self.variables = tuple(scalar.name for scalar in scalars if not scalar.quantity.internal)
         self._index = {name: i for i, name in enumerate(self.names)}
+        quantities = [scalar.quantity for scalar in scalars]
+        limits = np.array([one.limits() for one in quantities]).reshape(-1, 2)
+        positive = np.array([one.positive for one in quantities], bool)
+        self._low: Vector = np.where(positive, np.maximum(limits[:, 0], math.ulp(0.0)), limits[:, 0])
+        self._high: Vector = limits[:, 1]
+        self._discrete = np.array([one.discrete for one in quantities], bool)
 
     def __contains__(self, name: str) -> bool:
         return name in self._index
@@ -279,7 +285,9 @@ class Layout:
 
     def faults(self, vector: Vector) -> list[str]:
         """Messages for every element outside its allowed range."""
-        found = (f.quantity.fault(f.name, float(v)) for f, v in zip(self.fields, vector, strict=True))
+        inside = np.isfinite(vector) & (self._low <= vector) & (vector <= self._high)
+        outside = np.flatnonzero(~inside | self._discrete & (np.trunc(vector) != vector))
+        found = (self.fields[i].quantity.fault(self.names[i], float(vector[i])) for i in outside)
         return [message for message in found if message]
 
 

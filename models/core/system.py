@@ -7,6 +7,7 @@ algebraic loops is solved by Newton's method.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -84,15 +85,11 @@ class System:
             raise ModelError("the system has no components")
         self.instances = dict(instances)
         self.connections = tuple(self._connection(source, target) for source, target in connections)
-        self.drivers = self._find_drivers()
         self.state = _Slots({name: i.component.state for name, i in self.instances.items()})
         self.inputs = _Slots({name: i.component.inputs for name, i in self.instances.items()})
         self.outputs = _Slots({name: i.component.outputs for name, i in self.instances.items()})
         self.parameters = _Slots({name: i.component.parameters for name, i in self.instances.items()})
-        self.x0 = self.state.fill({n: i.start for n, i in self.instances.items()}, "state")
-        self.u0 = self.inputs.fill({n: i.inputs for n, i in self.instances.items()}, "input")
-        self.p = self.parameters.fill({n: i.parameters for n, i in self.instances.items()}, "parameter")
-        self._check_values()
+        self._take_values()
         self.source_index = np.array([self.outputs.index(c.source) for c in self.connections], dtype=np.int64)
         self.target_index = np.array([self.inputs.index(c.target) for c in self.connections], dtype=np.int64)
         self.order, self.torn = evaluation_order(self.instances, self.connections)
@@ -103,7 +100,22 @@ class System:
 
     def with_instances(self, instances: Mapping[str, Instance]) -> System:
         """The same connections between other instances of the same names."""
+        before, after = (
+            [(n, id(i.component)) for n, i in one.items()] for one in (self.instances, instances)
+        )
+        if before == after:
+            same = copy.copy(self)
+            same.instances = dict(instances)
+            same._take_values()
+            return same
         return System(instances, [(str(c.source), str(c.target)) for c in self.connections])
+
+    def _take_values(self) -> None:
+        self.drivers = self._find_drivers()
+        self.x0 = self.state.fill({n: i.start for n, i in self.instances.items()}, "state")
+        self.u0 = self.inputs.fill({n: i.inputs for n, i in self.instances.items()}, "input")
+        self.p = self.parameters.fill({n: i.parameters for n, i in self.instances.items()}, "parameter")
+        self._check_values()
 
     def _connection(self, source: str, target: str) -> Connection:
         out = parse_port(source, self.instances, "output")

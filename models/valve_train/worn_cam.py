@@ -54,16 +54,24 @@ class FreshCam:
     overlap_by_lift: Vector
     arc: Vector
 
-    def wear_off(self, loss: Vector) -> Points:
-        """The points with these losses of lift (m) at PLACES, a periodic quintic spline in between."""
+    def interpolate(self, loss: Vector) -> Vector:
+        """At the points, losses of lift, slope and curvature, by those of lift (m) at PLACES with a periodic
+        quintic spline in between; linear in the latter."""
         from scipy.interpolate import make_interp_spline  # runs without wear need no scipy for it
 
         spline = make_interp_spline(
             np.append(PLACES, TURN), np.append(loss, loss[0]), k=5, bc_type="periodic"
         )
-        p, angle = self.points, self.points.angle
-        lost = (spline(angle, nu=nu) for nu in range(3))
-        return Points(angle, *(a - b for a, b in zip((p.lift, p.slope, p.curvature), lost, strict=True)))
+        return np.array([spline(self.points.angle, nu=nu) for nu in range(3)])
+
+    def lower(self, losses: Vector) -> Points:
+        """The points with these losses of lift, slope and curvature there."""
+        p = self.points
+        return Points(p.angle, *(a - b for a, b in zip((p.lift, p.slope, p.curvature), losses, strict=True)))
+
+    def wear_off(self, loss: Vector) -> Points:
+        """The points with these losses of lift (m) at PLACES."""
+        return self.lower(self.interpolate(loss))
 
 
 def sample_cam(cam: CamKind) -> FreshCam:

@@ -6,14 +6,16 @@ from typing import NamedTuple
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from models.core.quantities import Vector
 
 from .style import COUPLED, MUTED, REFERENCE, create_grid
 
 COLUMNS, MOST_BARS = 2, 8
-# Room on both sides of a histogram, as a part of its width; what lies further out is written.
-MARGIN = 0.3
+# Room on both sides of a histogram and above it, as a part of its size; what lies further out is written.
+# Its marks have room for numbers of many digits.
+MARGIN, MARKS = 0.3, 5
 
 
 class Panel(NamedTuple):
@@ -43,18 +45,19 @@ def draw_histograms(panels: Sequence[Panel], title: str) -> Figure:
         if deviation > 0.0:
             density = np.exp(-0.5 * ((middle - mean) / deviation) ** 2) / (deviation * np.sqrt(2.0 * np.pi))
             place.plot(middle, density * known.size * np.diff(edges), color=MUTED, label="first order")
-            place.legend()
+            place.set_ylim(0.0, (1.0 + MARGIN) * max(counts.max(), place.get_ylim()[1] / 1.05))
+            place.legend(loc="upper right")
+        place.xaxis.set_major_locator(MaxNLocator(MARKS))
+        place.yaxis.set_major_locator(MaxNLocator(MARKS, integer=True))
         room = MARGIN * (edges[-1] - edges[0])
         place.set_xlim(edges[0] - room, edges[-1] + room)
         for value, upper in panel.limits:
             if edges[0] - room < value < edges[-1] + room:
                 place.axvline(value, color="black", linestyle="--", linewidth=1.0)
             else:
-                text, side = f"limit {'<' if upper else '>'} {value:.4g}", float(value > edges[-1])
-                text = f"{text} →" if side else f"← {text}"
-                place.text(
-                    0.02 + 0.96 * side, 0.5, text, transform=place.transAxes, ha=("left", "right")[int(side)]
-                )
+                text, far = f"limit {'<' if upper else '>'} {value:.4g}", value > edges[-1]
+                marked = f"{text} →" if far else f"← {text}"
+                place.set_title(marked, loc="right" if far else "left", fontsize=9.0)
         place.set_xlabel(panel.head)
         place.set_ylabel("trains")
     return figure

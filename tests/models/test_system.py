@@ -85,6 +85,25 @@ def test_all_faults_are_told_at_once():
     assert "kushwaha" in message
 
 
+def test_other_values_of_the_same_components_are_checked_as_at_first():
+    """The system that they come from keeps its own."""
+    system = valve_train(1000)
+    spring, before = system.instances["valve_spring"], system.p.copy()
+    heavy = replace(spring, parameters={**spring.parameters, "valve_mass": 0.3})
+    made = system.with_instances({**system.instances, "valve_spring": heavy})
+    place = system.parameters.names.index("valve_spring.valve_mass")
+    assert np.flatnonzero(made.p != system.p).tolist() == [place]
+    assert (made.p[place], made.order) == (0.3, system.order)
+    assert np.array_equal(system.p, before)
+    for value in (0.0, -1.0, np.nan, np.inf):
+        wrong = replace(spring, parameters={"valve_mass": value})
+        with pytest.raises(ModelError, match=r"valve_spring\.parameters\.valve_mass"):
+            system.with_instances({**system.instances, "valve_spring": wrong})
+    driven = replace(system.instances["camshaft"], inputs={"drive_angle": 1.0})
+    with pytest.raises(ModelError, match="has a constant value and the source"):
+        system.with_instances({**system.instances, "camshaft": driven})
+
+
 def test_outputs_do_not_depend_on_the_order_of_instances():
     system = valve_train(1000)
     turned = system.with_instances(dict(reversed(system.instances.items())))

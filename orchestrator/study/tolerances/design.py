@@ -88,11 +88,15 @@ class GrindingError:
         parts = np.stack([amplitudes * np.cos(phases), amplitudes * np.sin(phases)], axis=-1)
         return parts.reshape(len(shares), -1)
 
+    @functools.cached_property
+    def waves(self) -> Vector:
+        """Of each part of 1 m, what it adds to lift, slope and curvature at the cam's points."""
+        parts = [part(order * PLACES) for order in self.orders for part in (np.cos, np.sin)]
+        return np.array([self.fresh.interpolate(part) for part in parts])
+
     def apply(self, values: Vector) -> dict[str, float]:
-        error = np.zeros(PLACES.size)
-        for order, (cosine, sine) in zip(self.orders, values.reshape(-1, 2), strict=True):
-            error += cosine * np.cos(order * PLACES) + sine * np.sin(order * PLACES)
-        return {f"{self.cam}.{k}": v for k, v in self.fresh.wear_off(-error).parameters().items()}
+        points = self.fresh.lower(-np.tensordot(values, self.waves, 1))
+        return {f"{self.cam}.{k}": v for k, v in points.parameters().items()}
 
 
 Factor = Parameters | GrindingError
