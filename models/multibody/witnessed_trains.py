@@ -140,6 +140,8 @@ class PushrodTrainOfParts(WitnessedTrain):
         ("tappet", "follower"): "roller and no pad",
         ("tappet", "tilt"): "tilted face",
         ("tappet", "guide_damping"): "friction in the guide",
+        ("tappet", "gravity"): "weight",
+        ("pushrod", "gravity"): "weight",
         ("rocker", "pivot_damping"): "friction of the pivot",
         ("rocker", "small_motion"): "small motion of a rocker with films",
         ("valve_spring", "clash_stiffness"): "clash of coils",

@@ -31,6 +31,7 @@ class RodParameters:
     clearance: float = kinds.PLACE(
         "gap at the upper end, at rest", nominal=1e-4, minimum=0.0, display_unit="mm"
     )
+    gravity: float = kinds.GRAVITY.default()
 
 
 @dataclass
@@ -96,7 +97,7 @@ def rod(segments: int = 4) -> Component:
             else:
                 above = upper_force(x, u, p)
             dx.displacement[i] = x.velocity[i]
-            dx.velocity[i] = (below - above) / mass
+            dx.velocity[i] = (below - above) / mass - p.gravity
             below = above
 
     @kernel
@@ -112,7 +113,7 @@ def rod(segments: int = 4) -> Component:
         mass, stiffness = p.density * p.area * p.length / n, inner_stiffness(p)
         stored, lost = 0.0, 0.0
         for i in range(n):
-            stored += 0.5 * mass * x.velocity[i] ** 2
+            stored += mass * (0.5 * x.velocity[i] ** 2 + p.gravity * x.displacement[i])
             if i < n - 1:
                 rate = x.velocity[i] - x.velocity[i + 1]
                 stored += 0.5 * stiffness * (x.displacement[i] - x.displacement[i + 1]) ** 2

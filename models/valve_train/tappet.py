@@ -54,6 +54,7 @@ class FollowerParameters:
     )
     mass: float = kinds.PART_MASS("mass of the follower", 0.1, nominal=0.1, positive=True)
     guide_damping: float = kinds.DAMPING("viscous friction in the guide", nominal=10.0)
+    gravity: float = kinds.GRAVITY.default()
 
 
 @dataclass
@@ -93,16 +94,16 @@ def overlap(k: CamContact, cam: Lift, x: TappetState, u: TappetInputs) -> Overla
 
 @kernel
 def accelerate(k: CamContact, x: TappetState, u: TappetInputs, p: Any) -> float:
-    """m y'' = W n_y - load - F_g - c y', and of a sliding follower the friction F t_y."""
+    """m y'' = W n_y - load - F_g - c y' - m g, and of a sliding follower the friction F t_y."""
     force = u.cam_load * k.normal_y - u.load - p.guide_damping * x.velocity - u.guide_friction
     if p.follower != ROLLER:
         force += u.cam_friction * k.normal_x
-    return force / p.mass
+    return force / p.mass - p.gravity
 
 
 @kernel
 def energy(t: float, x: TappetState, u: TappetInputs, p: Any, e: Vector) -> None:
-    e[0] = 0.5 * p.mass * x.velocity**2
+    e[0] = p.mass * (0.5 * x.velocity**2 + p.gravity * x.position)
     e[1] = p.guide_damping * x.velocity**2
     e[2] = 0.0
 

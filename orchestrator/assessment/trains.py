@@ -317,3 +317,23 @@ def check_lash(system: System) -> None:
                 f"{train.valve}: its lash takes {taken} of the lift of {train.cam}, which is {lift}",
                 "lower the lash, or raise the lift",
             )
+
+
+def describe_floating(system: System) -> list[str]:
+    """A sentence on each train whose parts nothing takes to rest within the lash, as they have no weight."""
+    found = []
+    for train in find_trains(system):
+        weights = {
+            f"components.{name}.parameters.gravity": parameter_of(system.instances[name], "gravity")
+            for name in train.parts
+            if "gravity" in system.instances[name].component.parameters
+        }
+        if train.lash > 0.0 and train.contact_law.rests and weights and not any(weights.values()):
+            parts, paths = (
+                " and ".join(names) for names in ([one.split(".")[1] for one in weights], weights)
+            )
+            found.append(
+                f"{parts}: nothing takes them to rest within the lash while {train.valve} is closed, so that "
+                f"turns may begin unlike each other; give {paths}, their weight, e.g. '9.81 m/s2'"
+            )
+    return found

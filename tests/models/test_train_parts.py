@@ -16,14 +16,14 @@ from .systems import outputs_of, rates_of, state_matrix
 pytestmark = pytest.mark.plain
 
 PARTS = {
-    "flat tappet": ("tappet", {"guide_damping": 5.0}),
+    "flat tappet": ("tappet", {"guide_damping": 5.0, "gravity": 9.81}),
     "tilted tappet": ("tappet", {"tilt": 0.3, "guide_damping": 5.0}),
     "roller tappet": ("tappet", {"follower": 1.0, "follower_radius": 9e-3, "offset": 2e-3}),
     "pad tappet": ("tappet", {"follower": 2.0, "follower_radius": 40e-3, "offset": -3e-3}),
     "pad finger": ("finger", {"pivot_stiffness": 1e7, "pivot_damping": 50.0}),
     "roller finger": ("finger", {"rolls": 1.0, "cam_arm": -28e-3, "valve_arm": -40e-3}),
     "bonded rod": ("rod", {"bonded": 1.0}),
-    "loose rod": ("rod", {"clearance": 1e-5}),
+    "loose rod": ("rod", {"clearance": 1e-5, "gravity": 9.81}),
     "valve body": ("valve", {"lash": 1e-4, "guide_damping": 3.0}),
     "coil spring": ("coil_spring", {"gap[1]": 1e-4, "gap[9]": 2e-4}),
     "shaft": ("shaft", {"gyroscopic[1]": 0.02, "direction[1]": 0.5, "drive_ratio": 0.5}),
@@ -170,6 +170,24 @@ def test_the_static_rate_of_a_rod_is_exact_for_every_number_of_segments():
         forces = outputs_of(c, {"bonded": 1.0}, x, pushed)
         assert forces["lower_force"] == pytest.approx(207e9 * 50e-6 / 0.2 * 1e-5, rel=1e-9)
         assert forces["upper_force"] == pytest.approx(forces["lower_force"], rel=1e-9)
+
+
+def test_a_loose_rod_rests_with_its_weight_on_the_body_below():
+    """As far from the body above as that leaves it."""
+    c, apart = CATALOGUE["rod"](), {"upper_position": 1e-3}
+    rod = Instance(
+        c, {"gravity": 9.81}, start={f"displacement[{i + 1}]": -1e-8 for i in range(4)}, inputs=apart
+    )
+    x = c.state.named(equilibrium(System({"rod": rod}, ())))
+    forces = outputs_of(c, {"gravity": 9.81}, x, apart)
+    assert forces["lower_force"] == pytest.approx(7850.0 * 50e-6 * 0.2 * 9.81, rel=1e-9)
+    assert forces["upper_force"] == 0.0
+
+
+def test_a_tappet_weighs_on_its_cam():
+    pressed = {"cam_load": 0.1 * 9.81}
+    assert rates_of(CATALOGUE["tappet"](), {"gravity": 9.81}, {}, pressed)["velocity"] == pytest.approx(0.0)
+    assert rates_of(CATALOGUE["tappet"](), {"gravity": 9.81}, {}, {})["velocity"] == -9.81
 
 
 @pytest.mark.parametrize(("segments", "error"), [(2, -0.0255), (4, -0.00641), (8, -0.00161)])

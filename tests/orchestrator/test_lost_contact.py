@@ -13,7 +13,7 @@ from orchestrator.assessment.friction.cycle import Cycle
 from orchestrator.assessment.lost_contact import AT_REST, LOADED, LOST, ON_RAMP, ContactLaw
 from orchestrator.assessment.merits import read_motion
 from orchestrator.assessment.motion import Part
-from orchestrator.assessment.trains import check_lash, find_law, find_trains
+from orchestrator.assessment.trains import check_lash, describe_floating, find_law, find_trains
 from orchestrator.plots.data import FigureData
 from orchestrator.report.packing import list_spans
 from orchestrator.scenario.files import load
@@ -70,6 +70,21 @@ def test_the_cam_takes_up_the_lash_at_the_valve_by_the_ratio_of_the_train(name, 
     (train,) = find_trains(system)
     assert 1e3 * train.lash == pytest.approx(lash, abs=6e-6)
     assert train.contact_law == (train.lash, train.lobe)
+
+
+def test_parts_that_float_within_a_lash_are_named_with_their_remedy():
+    """A train with weight, or an adjuster, has none."""
+    weights = [f"components.{part}.parameters.gravity" for part in ("tappet", "pushrod")]
+    (said,) = describe_floating(build_system(load("pushrod-train")))
+    assert all(word in said for word in ("tappet and pushrod", *weights))
+    known = (
+        ("pushrod-train", weights),
+        ("qin2000-train", []),
+        ("seat-and-lash", []),
+        ("direct-acting-hla", []),
+    )
+    for name, given in known:
+        assert describe_floating(build_system(load(name, [f"{path}=9.81 m/s2" for path in given]))) == []
 
 
 @pytest.mark.parametrize(("lash", "lift"), [("1.2 mm", 0.96e-3), ("60 mm", 32e-3)])

@@ -24,7 +24,7 @@ from ...assessment.contacts.lines import FED
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
-from ...assessment.trains import list_parts
+from ...assessment.trains import describe_floating, list_parts
 from ...errors import MistakeError, Option
 from ...plots.speeds import draw_campbell, draw_map, draw_summary, list_oscillations
 from ...plots.style import save_figure
@@ -114,11 +114,13 @@ def _conclude(
     second: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
     """Say what is to be noticed, write, and draw; the content of summary.json."""
-    known = subject.list_warnings({})
-    doubts = [*describe_unsteady(table), *describe_feeding(subject, table), *describe_over_speed(table)]
+    known, system = subject.list_warnings({}), build_system(subject.scenario)
+    unsteady = list(describe_unsteady(table))
+    unsteady += describe_floating(system) if unsteady else []
+    doubts = [*unsteady, *describe_feeding(subject, table), *describe_over_speed(table)]
     found = [
         *([second["text"]] if second else []), *doubts, *describe_lift_loss(table),
-        *remark_outside(build_system(subject.scenario)),
+        *remark_outside(system),
     ]  # fmt: skip
     for text in found:
         reporter.line(text)
