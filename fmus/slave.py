@@ -226,6 +226,8 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         try:
             if self._outputs_stale or self._energies_stale or self._rates_stale:
                 self._ready(vrs)
+            if min(vrs, default=0) < 0:  # which the C layer makes of the highest ones
+                raise IndexError
             cells = self._variables
             return [cells[i] for i in vrs]
         except Exception as error:
@@ -251,7 +253,9 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
             self._inputs_unchecked = True
 
     def _check_settable(self, vrs: list[int]) -> None:
-        """Refuse outputs, and fixed variables after the initialisation."""
+        """Refuse what there is not, outputs, and fixed variables after the initialisation."""
+        if unknown := self._list_unknown(vrs):
+            self._fatal(f"there is no {unknown}")
         if (highest := max(vrs)) >= self.memory.outputs:
             self._fatal(f"{self._name(highest)} is an output: it cannot be set")
         self._parameters_unchecked = True
@@ -275,11 +279,15 @@ class ComponentSlave(Fmi2Slave):  # type: ignore[misc]
         return []
 
     def _name(self, reference: int) -> str:
-        return self.names[reference] if 0 <= reference < len(self.names) else f"value reference {reference}"
+        known = 0 <= reference < len(self.names)
+        return self.names[reference] if known else f"value reference {reference % 2**32}"
+
+    def _list_unknown(self, vrs: list[int]) -> str:
+        return ", ".join(self._name(i) for i in vrs if not 0 <= i < self.memory.end_of_variables)
 
     def _explain_unreadable(self, vrs: list[int], error: Exception) -> str:
-        unknown = [self._name(i) for i in vrs if i >= self.memory.end_of_variables]
-        return f"there is no {', '.join(unknown)}" if unknown else f"outputs cannot be computed: {error!r}"
+        unknown = self._list_unknown(vrs)
+        return f"there is no {unknown}" if unknown else f"outputs cannot be computed: {error!r}"
 
     # State
 

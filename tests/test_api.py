@@ -6,7 +6,9 @@ import re
 import subprocess
 import sys
 import threading
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -95,6 +97,39 @@ def test_runs_in_threads_have_the_bits_of_runs_in_turn() -> None:
 def test_a_misspelt_name_gets_a_suggestion() -> None:
     with pytest.raises(AttributeError, match="did you mean analyse"):
         tribocosim.analyze  # noqa: B018
+
+
+api: Any = tribocosim
+MISUSES: dict[str, tuple[Callable[[], object], str]] = {
+    "progress": (
+        lambda: api.run("quarter-car", progress="x"),
+        "progress = 'x': must be a function of a stage",
+    ),
+    "one argument": (
+        lambda: api.run("quarter-car", progress=lambda stage: None),
+        "progress = .*stage and a share",
+    ),
+    "switch": (lambda: api.run("quarter-car", overwrite="no"), "overwrite = 'no': must be True or False"),
+    "no plan": (lambda: api.execute("quarter-car"), "plan = 'quarter-car': must be a Plan"),
+    "folder": (lambda: api.run("quarter-car", ""), "out = '': must not be empty"),
+    "a word for a list": (
+        lambda: api.calibrate("quarter-car", "a.csv", "mass"),
+        "parameters = 'mass': must be a l",
+    ),
+    "instants": (lambda: api.analyse("quarter-car", at=[1e-3]), r"at = \[0\.001\]: must be a list, each"),
+    "no unit": (lambda: api.speeds("valve-train", 1000), "low = 1000: must be a text; e.g. '500 rpm'"),
+    "workers": (lambda: api.speeds("valve-train", workers=0), "workers=0: must be 1 or more"),
+    "size": (lambda: api.build_fmu("valve_spring", structure={"coil_masses": 2.5}), "each a whole number"),
+    "path": (lambda: api.load("quarter-car").with_({3: 1}), "changes: must be a dictionary of paths"),
+}
+
+
+@pytest.mark.parametrize("misuse", MISUSES)
+def test_an_argument_of_another_kind_is_refused_by_name(misuse: str) -> None:
+    """Before anything is computed; not by an error from inside."""
+    call, said = MISUSES[misuse]
+    with pytest.raises(tribocosim.MistakeError, match=said):
+        call()
 
 
 def test_native_takes_machine_code_for_our_fmus_only() -> None:

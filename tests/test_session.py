@@ -65,6 +65,10 @@ def test_times_of_a_session_have_an_end_and_what_cannot_be_set_is_named() -> Non
         assert session.step_until("20 ms") == pytest.approx(0.02, abs=session.stop_time * 1e-3)
         with pytest.raises(tribocosim.MistakeError, match="is behind the session's stop_time"):
             session.step_until(1e3)
+        assert session.step_until(session.time) == session.time
+        for past in ("5 ms", -1.0, float("nan")):
+            with pytest.raises(tribocosim.MistakeError, match="must not be before the session's"):
+                session.step_until(past)
         with pytest.raises(tribocosim.MistakeError, match="must be one of"):
             session["nothing"]
         for name, value, message in (

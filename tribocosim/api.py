@@ -16,6 +16,7 @@ from orchestrator.run.pipeline import run_plan
 from orchestrator.store.output_folder import check_folder
 from orchestrator.store.result_file import find_result, open_result
 
+from .arguments import checks_arguments
 from .cached_fmus import build_fmu as build_cached_fmu
 from .fmu import build_fmu, compare_fmu, fmu_info, validate_fmu
 from .planning import plan, resolve_run
@@ -81,6 +82,7 @@ class Result:
         """Relative RMS error of each variable against the reference; empty without one."""
         return {name: error["relative_rms"] for name, error in self.summary["errors"].items()}
 
+    @checks_arguments
     def report(self, path: str | Path = "report.html") -> Path:
         """Write the run as a page for a browser, in one file: its mechanism in motion, plots, errors."""
         return report(self.folder or self._kept, path)
@@ -91,6 +93,7 @@ class Result:
 
         return list(diagnose(self.folder or self._kept).lines)
 
+    @checks_arguments
     def friction(self, contact: str | None = None, *, wear_coefficient: float = 1e-17) -> xarray.Dataset:
         """Friction and wear of a contact under a cam over the last revolution, as the command `friction` has.
 
@@ -105,6 +108,7 @@ class Result:
             raise MistakeError(f"contact: must be one of {', '.join(one.cycle.contact for one in found)}")
         return tabulate(found[0].cycle, found[0].worn, found[0].coefficient)
 
+    @checks_arguments
     def plot(self, *variables: str, over: str = "time") -> Picture:
         """Each variable, coupled and reference, below each other, in the units of figures and page.
 
@@ -126,6 +130,7 @@ class Result:
         return draw(variables, over, self.coupled, self.reference)
 
 
+@checks_arguments
 def run(
     scenario: Scenario | str | Path,
     out: str | Path | None = None,
@@ -149,6 +154,7 @@ def run(
     return _keep_result(out, lambda folder: run_plan(plan, folder, reporter, overwrite, began))
 
 
+@checks_arguments
 def execute(
     plan: Plan, out: str | Path | None = None, *, overwrite: bool = False, progress: Progress | None = None
 ) -> Result:
@@ -179,6 +185,7 @@ def _open_complete(summary: Summary, folder: Path) -> Result:
     return open(folder)
 
 
+@checks_arguments
 def resume(
     folder: str | Path, *, figures: bool = True, progress: Progress | None = None, keep: bool = False
 ) -> Result:
@@ -193,6 +200,7 @@ def resume(
     return open(Path(folder)) if keep else _open_complete(summary, Path(folder))
 
 
+@checks_arguments
 def report(
     folder: str | Path,
     path: str | Path | None = None,
@@ -212,6 +220,7 @@ def report(
     return draw_page(Path(folder), None if path is None else Path(path), cycle, SilentReporter(progress))
 
 
+@checks_arguments
 def open(folder: str | Path) -> Result:
     """The result in the folder of a run, read into memory. MistakeError if there is none."""
     folder = Path(folder)

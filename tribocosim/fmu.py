@@ -11,6 +11,8 @@ from models.core.system import suggestion
 from orchestrator.errors import MistakeError, Option
 from orchestrator.store.output_folder import writing
 
+from .arguments import checks_arguments
+
 if TYPE_CHECKING:
     from fmus.fmi.validate import Findings, FmuInfo
     from fmus.reference_results.compare import Comparison
@@ -33,6 +35,7 @@ class FmuOptions:
     fmi: int = 2
 
 
+@checks_arguments
 def build_fmu(
     component: str,
     out: str | Path = ".",
@@ -55,6 +58,7 @@ def build_fmu(
     return build_file(component, Path(out), options, progress)
 
 
+@checks_arguments
 def fmu_info(file: str | Path) -> FmuInfo:
     """What an FMU is, what it can, and its variables; printed it is what the command `fmu info` shows."""
     from fmus.fmi.validate import info
@@ -62,6 +66,7 @@ def fmu_info(file: str | Path) -> FmuInfo:
     return info(Path(file))
 
 
+@checks_arguments
 def validate_fmu(file: str | Path) -> Findings:
     """What keeps an FMU from running here (`faults`), and what else departs from the standard (`remarks`).
 
@@ -79,6 +84,7 @@ def validate_fmu(file: str | Path) -> Findings:
     return Findings(faults, found.remarks + remarks)
 
 
+@checks_arguments
 def compare_fmu(file: str | Path, tolerance: float | None = None) -> Comparison:
     """Step an FMU in this process and compare it with its reference results, inside the file or beside it.
 

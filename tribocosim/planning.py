@@ -8,11 +8,13 @@ from orchestrator.run.plan import Plan, make_plan
 from orchestrator.scenario import Scenario as CheckedScenario
 from orchestrator.scenario.system import resolve
 
+from .arguments import checks_arguments
 from .cached_fmus import build_fmu, check_native
 from .reporting import Progress, SilentReporter
 from .scenario import Scenario, load
 
 
+@checks_arguments
 def plan(scenario: Scenario | str | Path, *, figures: bool = False, progress: Progress | None = None) -> Plan:
     """Resolve a scenario: check it, build its FMUs and find its start values.
 

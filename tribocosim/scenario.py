@@ -48,10 +48,11 @@ class Scenario:
 
         Also by keyword: with_(stop_time="20 ms").
         """
-        if changes is not None and not isinstance(changes, Mapping):
+        known = changes is None or isinstance(changes, Mapping)
+        if not known or not all(isinstance(path, str) for path in changes or ()):
             raise MistakeError(
                 "changes: must be a dictionary of paths and values, e.g. {'macro_step': '5 us'}, not "
-                f"{type(changes).__name__}"
+                f"{changes if known else type(changes).__name__}"
             )
         content = copy.deepcopy(dict(self.content))
         change(content, {**(changes or {}), **more})

@@ -11,6 +11,7 @@ from models.compile.temporary import TemporaryFolder
 from models.core.system import Instance, suggestion
 from orchestrator.errors import MistakeError, Option
 
+from .arguments import checks_arguments
 from .fmu import FmuOptions, build_file, check_kind, check_place
 from .scenario import Scenario, load
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 TOLERANCE = 1e-8
 
 
+@checks_arguments
 def build_scenario_fmus(
     scenario: Scenario | str | Path,
     out: str | Path = ".",

@@ -16,6 +16,7 @@ from orchestrator.run.plan import Plan, open_participants
 from orchestrator.run.simulation import Session as RunSession
 from orchestrator.scenario.units import UnitError, to_unit
 
+from .arguments import checks_arguments
 from .planning import plan
 from .scenario import Scenario
 
@@ -40,6 +41,7 @@ class Session:
     The steps are those of the run, to the bit. RunError where one cannot be made.
     """
 
+    @checks_arguments
     def __init__(self, scenario: Scenario | Plan | str | Path) -> None:
         found = scenario if isinstance(scenario, Plan) else plan(scenario)
         self._system, self._outputs = found.system, found.system.outputs
@@ -53,6 +55,7 @@ class Session:
             self._session.begin()
             self._opened = opened.pop_all()
         self._start: Snapshot | None = None
+        self._before = self.time  # where the last step began
 
     @property
     def time(self) -> float:
@@ -94,16 +97,24 @@ class Session:
         if self.time >= self.stop_time:
             raise MistakeError(f"the session has reached its stop_time = {self.stop_time:g} s")
         self._keep_start()
+        self._before = self.time
         self._session.step()
         return self.time
 
+    @checks_arguments
     def step_until(self, time: float | str) -> float:
         """Step to the first communication point that is not before `time`; that time (s).
 
-        A number in seconds, or a text with its unit. MistakeError for one after `stop_time`.
+        A number in seconds, or a text with its unit. MistakeError for one after `stop_time`, or before the
+        last step.
         """
         time = self._parse_time(time)
-        slack = 1e-12 * max(abs(time), self.stop_time)
+        slack = 1e-12 * self.stop_time
+        if not time >= self.time - slack and not time > self._before + slack:
+            raise MistakeError(
+                f"time = {time:g} s: must not be before the session's time = {self.time:g} s; reset() goes "
+                "back to the start, restore() to a saved time"
+            )
         if time > self.stop_time + slack:
             raise MistakeError(f"time = {time:g} s: is behind the session's stop_time = {self.stop_time:g} s")
         while self.time < min(time, self.stop_time) - slack:
@@ -130,6 +141,7 @@ class Session:
         driven = {str(connection.target) for connection in self._system.connections}
         return [name for name in self._system.inputs.names if name not in driven]
 
+    @checks_arguments
     def set(self, name: str, value: float | str) -> None:
         """Set one of `inputs` from now on: a number in SI units, or a text with its unit.
 
@@ -198,6 +210,7 @@ class Session:
         if not isinstance(snapshot, Snapshot):
             raise MistakeError(f"snapshot: must be what save() returned, not {type(snapshot).__name__}")
         self._session.restore(snapshot.state)
+        self._before = self.time
 
     def reset(self) -> None:
         """Go back to the start."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from models.compile.temporary import TemporaryFolder
 from orchestrator.analyses import load as load_analysis
 
+from .arguments import checks_arguments
 from .cached_fmus import build_fmu
 from .packages import check_fit_packages, check_study_packages
 from .reporting import Progress, SilentReporter
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     import xarray
 
 
+@checks_arguments
 def analyse(
     subject: Scenario | str | Path,
     settings: Mapping[str, Any] | None = None,
@@ -48,6 +50,7 @@ def analyse(
     return build_dataset(survey_scenario(resolve(checked), instants, SilentReporter(progress)))
 
 
+@checks_arguments
 def cam(
     source: str | Path,
     settings: Mapping[str, Any] | None = None,
@@ -71,6 +74,7 @@ def cam(
     return evaluate(analysis, given, Path(out), overwrite, SilentReporter())
 
 
+@checks_arguments
 def compare(
     first: str | Path,
     second: str | Path,
@@ -102,6 +106,7 @@ def compare(
     return compare_sweeps(Path(first), Path(second), file, SilentReporter(), choice)
 
 
+@checks_arguments
 def speeds(
     scenario: Scenario | str | Path,
     low: str = "500 rpm",
@@ -139,6 +144,7 @@ def speeds(
     return found.table.assign_attrs(attributes)
 
 
+@checks_arguments
 def design(
     brief: str | Path,
     settings: Sequence[str] = (),
@@ -163,6 +169,7 @@ def design(
         return design_cam(asked, folder, build_fmu, SilentReporter(progress), overwrite)
 
 
+@checks_arguments
 def sensitivities(
     scenario: Scenario | str | Path,
     speed: str | None = None,
@@ -197,6 +204,7 @@ def sensitivities(
         return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
 
 
+@checks_arguments
 def calibrate(  # noqa: PLR0913  # options of the command
     scenario: Scenario | str | Path,
     data: str | Path | Sequence[str | Path],
@@ -231,6 +239,7 @@ def calibrate(  # noqa: PLR0913  # options of the command
         return fit(source, files, asked, folder, Where(workers=workers), build_fmu, reporter, overwrite)
 
 
+@checks_arguments
 def study(
     tables: Mapping[str, Any] | str | Path,
     scenario: Scenario | None = None,
@@ -273,6 +282,7 @@ def study(
             return found.load()
 
 
+@checks_arguments
 def tolerances(
     scenario: Scenario | str | Path,
     given: Mapping[str, Any] | str | Path,
@@ -301,6 +311,7 @@ def tolerances(
         return find_tolerances(content, read, folder, where, reporter, overwrite)
 
 
+@checks_arguments
 def wear(  # noqa: PLR0913  # options of the command
     scenario: Scenario | str | Path,
     until: str = "0.127 mm",

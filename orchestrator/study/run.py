@@ -10,7 +10,7 @@ import numpy as np
 from models.core.system import ModelError
 from models.core.words import tally
 
-from ..errors import MistakeError
+from ..errors import MistakeError, Option
 from ..reporter import Bar, Reporter, tell_interruption
 from .cluster import connect
 from .execution import Execution
@@ -31,6 +31,10 @@ class Where:
     scheduler: str | None = None
     workers: int | None = None
     timeout: float = 10.0
+
+    def __post_init__(self) -> None:
+        if self.workers is not None and self.workers < 1:
+            raise MistakeError((Option("workers", self.workers), ": must be 1 or more"))
 
 
 def run(

@@ -105,7 +105,11 @@ def test_outputs_and_fixed_parameters_cannot_be_set(spring, name, message):
     assert message in errors(spring)[-1]
 
 
-def test_unknown_value_reference(spring):
+@pytest.mark.parametrize("access", ["get", "set"])
+@pytest.mark.parametrize("reference", [123456, 2**32 - 1])
+def test_unknown_value_reference(access, reference, spring):
+    """The C layer makes -1 of the highest one, which is the place of the state's last number."""
+    call = spring.fmu.getReal if access == "get" else lambda references: spring.fmu.setReal(references, [1.0])
     with pytest.raises(FMICallException, match="fatal"):
-        spring.fmu.getReal([123456])
-    assert "value reference 123456" in errors(spring)[0]
+        call([reference])
+    assert f"there is no value reference {reference}" in errors(spring)[0]
