@@ -17,6 +17,7 @@ from ..errors import REPLACE, MistakeError, Option, another
 from ..reporter import Reporter
 from ..scenario.units import to_unit
 from ..scenario.values import Value
+from ..store.csv_file import write_sheet
 from ..store.output_folder import OutputFolderError, make_folder, refuse_file, remove_empty
 from ..texts import parse_value
 from . import Analysis, Result, list_analyses, load
@@ -126,7 +127,7 @@ def write_results(
         files.append(folder / f"{analysis.name}.csv")
         frame = table[list(columns)].to_dataframe().reset_index()
         frame.columns = [f"{name} [{table[name].attrs.get('units', '1')}]" for name in frame.columns]
-        frame.to_csv(files[-1], index=False)
+        write_sheet(files[-1], frame.to_csv(index=False))
     if analysis.draw:
         from ..plots.style import save_figure
 

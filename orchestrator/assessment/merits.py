@@ -15,7 +15,7 @@ from models.core.system import Port, System
 from models.core.words import tally
 
 from ..scenario.display import format_number, say, show
-from ..store import atomic_write
+from ..store.csv_file import write_sheet
 from .adjusters import UNHELD, describe_growth
 from .contacts import ContactSummaries, ContactSummary, name_turn
 from .figures_of_merit import SHARE, measure
@@ -368,8 +368,7 @@ def write_merits(
     if (window := read_motion(system, read).window) != RUN:
         table.writerow(("run", "means and integrals", *[""] * (len(HEAD) - 3), f"over {window}"))
     table.writerows(("run", "warning", *[""] * (len(HEAD) - 3), doubt) for doubt in doubts)
-    # Spreadsheets take a file for UTF-8 by its first three bytes.
-    atomic_write.write_whole(path, text.getvalue().encode("utf-8-sig"))
+    write_sheet(path, text.getvalue())
 
 
 def _place(angle: Angle | None, time: float, read: Read) -> tuple[str, str]:

@@ -44,4 +44,10 @@ def write_rows(path: Path, rows: Iterable[Iterable[object]]) -> None:
     """Write a table, its first row the head; the file appears when it is whole."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
-    write_whole(path, text.getvalue().encode())
+    write_sheet(path, text.getvalue())
+
+
+def write_sheet(path: Path, text: str) -> None:
+    """Write a table that spreadsheets open. They take a file for UTF-8 by its first three bytes; one of
+    ASCII needs none."""
+    write_whole(path, text.encode("utf-8" if text.isascii() else "utf-8-sig"))

@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 
 from ..scenario.display import add_unit, show_attributes
-from ..store.atomic_write import write_whole
+from ..store.csv_file import write_sheet
 from .files import MESSAGE, STATUS
 
 
@@ -22,4 +22,4 @@ def write_table(found: xarray.Dataset, path: Path) -> None:
             # Twelve digits: 3000 r/min are 3000 again.
             frame[name] = [float(f"{shown[name].factor * value:.12g}") for value in frame[name]]
     frame.columns = [add_unit(name, shown[name]) for name in names]
-    write_whole(path, frame.to_csv(index=False, lineterminator="\n").encode())
+    write_sheet(path, frame.to_csv(index=False, lineterminator="\n"))

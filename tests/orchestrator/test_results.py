@@ -23,7 +23,7 @@ from orchestrator.run.summary import OUTSIDE, Summary
 from orchestrator.scenario.files import load
 from orchestrator.stepping import FixedSteps
 from orchestrator.store.coordinates import Coordinate
-from orchestrator.store.csv_file import ROWS, write_csv
+from orchestrator.store.csv_file import ROWS, write_csv, write_rows
 from orchestrator.store.journal import HELD, Journal, JournalError, Mark, Recorded, journals
 from orchestrator.store.result_file import CHUNK, ResultFile, open_result
 from tribocosim.cached_fmus import build_fmu
@@ -149,6 +149,13 @@ def _in_a_process(code: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-c", script], cwd=root, capture_output=True, text=True, timeout=100
     )
+
+
+@pytest.mark.parametrize(("head", "mark"), [("film [µm]", b"\xef\xbb\xbf"), ("film [m]", b"")])
+def test_a_spreadsheet_takes_a_table_for_utf_8(head, mark, tmp_path):
+    """By its byte order mark; a table of ASCII is the same without."""
+    write_rows(tmp_path / "table.csv", [[head], [1.5]])
+    assert (tmp_path / "table.csv").read_bytes() == mark + f"{head}\n1.5\n".encode()
 
 
 def test_what_was_flushed_survives_a_killed_process(tmp_path):

@@ -46,7 +46,7 @@ def swept(tmp_path_factory):
 
 def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
     out, said_text = swept
-    rows = list(csv.DictReader((out / "speeds.csv").read_text("utf-8").splitlines()))
+    rows = list(csv.DictReader((out / "speeds.csv").read_text("utf-8-sig").splitlines()))
     assert [row["speed [r/min]"] for row in rows] == ["1000.0", "2200.0", "3400.0"]
     pressures = [float(row["contact.peak_pressure [MPa]"]) for row in rows]
     np.testing.assert_allclose(pressures, 1e-6 * read_table(out)["contact.peak_pressure"].values, rtol=1e-11)
@@ -78,7 +78,7 @@ def test_friction_of_a_sweep_has_its_shares_over_speed(swept, tmp_path):
     done = called("friction", str(out), "--table", str(table), "--figure", str(figure))
     assert done.returncode == 0, done.stderr
     assert figure.stat().st_size > 10_000
-    rows, found = list(csv.DictReader(table.read_text("utf-8").splitlines())), read_table(out)
+    rows, found = list(csv.DictReader(table.read_text("utf-8-sig").splitlines())), read_table(out)
     steady = found["change"].values <= STEADY
     assert [row["design"] for row in rows] == ["train"] * steady.sum()
     assert ("left out" in done.stdout) == (not steady.all())
@@ -150,6 +150,24 @@ def test_it_tells_the_speed_of_separation(swept):
     rows = {line.split("│")[1].strip(): line for line in said_text.splitlines() if line.startswith("│")}
     assert "contact lost" in rows["3400"]
     assert "contact lost" not in rows["1000"]
+
+
+@pytest.mark.parametrize(
+    ("width", "numbers", "left"), [(60, 5, []), (50, 3, ["seating, lands at lift: see speeds.csv"])]
+)
+def test_a_table_of_speeds_names_the_columns_that_it_has_no_room_for(width, numbers, left):
+    """No number is cut."""
+    names = ("least_load", "largest_load", "spring_margin", "seating_velocity", "landing_lift")
+    columns = {f"contact.{name}": ("speed", [1234.5, 2345.6]) for name in names}
+    columns |= {"contact.lost": ("speed", [0.0, 0.0]), "change": ("speed", [0.0, 1.0])}
+    text = StringIO()
+    table = xarray.Dataset(columns, {"speed": np.array([1000.0, 2000.0]) / RPM})
+    report_cycles(Reporter(Console(file=text, width=width)), table)
+    lines = text.getvalue().splitlines()
+    (row,) = (line for line in lines if line.startswith("│2000"))
+    assert row.split("│")[-2] == "not steady"
+    assert row.count("2346") == numbers
+    assert [line.partition("too narrow for ")[2] for line in lines if "too narrow" in line] == left
 
 
 def test_contacts_that_are_lost_are_named_below_a_narrow_table():

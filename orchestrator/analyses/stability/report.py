@@ -20,6 +20,7 @@ from ...masters import find_name
 from ...reporter import make_table
 from ...scenario.files import to_full_toml
 from ...scenario.units import format_time
+from ...store.csv_file import write_sheet
 from .behaviour import SPACING
 from .survey import AssessedMethod, Survey
 
@@ -262,6 +263,6 @@ def write_survey(found: Survey, folder: Path) -> list[Path]:
     frame = rows.to_dataframe()
     units = {name: table[name].attrs.get("units", "") for name in frame.columns}
     frame.columns = [f"{name} [{units[name]}]" if units[name] else name for name in frame.columns]
-    frame.to_csv(files[1])
+    write_sheet(files[1], frame.to_csv())
     save_figure(lambda: draw_figure(found), files[2])
     return files

@@ -16,6 +16,7 @@ from models.core.quantities import Vector
 from ...errors import Option, Words
 from ...reporter import make_table
 from ...scenario.display import format_number, show
+from ...store.csv_file import write_sheet
 from .cycle import SUMMARY, TURN, Cycle, Wear, summarise
 
 # Of the cam's lift: a profile that has lost more is no longer the one that was computed.
@@ -167,5 +168,5 @@ def write(cycle: Cycle, worn: Wear, coefficient: float, path: Path) -> list[Path
         part = found.drop_vars([name for name in found if found[name].dims != (dimension,)])
         frame = part.drop_dims([name for name in part.dims if name != dimension]).to_dataframe().reset_index()
         frame.columns = [f"{name} [{found[name].attrs['units']}]" for name in frame.columns]
-        frame.to_csv(file, index=False)
+        write_sheet(file, frame.to_csv(index=False))
     return list(files.values())

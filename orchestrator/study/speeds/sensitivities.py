@@ -36,6 +36,7 @@ from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import build_system, list_parameters, list_quantities
 from ...scenario.values import Value
 from ...scenario.warnings import list_notices
+from ...store.csv_file import write_sheet
 from ...store.output_folder import refuse_file
 from ...texts import parse_toml
 from ..files import plan_axis
@@ -322,7 +323,7 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     frame = dataset["elasticity"].to_pandas()
     frame.insert(0, "value", dataset["value"].values)
     frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])
-    frame.to_csv(out / TABLE)
+    write_sheet(out / TABLE, frame.to_csv())
     drawn = main.isel(parameter=order).assign_coords(
         shown=("figure", own), size=("parameter", [values[str(main["parameter"].values[k])] for k in order])
     )

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -55,6 +55,8 @@ FOLDER = "cycles"  # with a file for each cycle
 # Natural oscillations that are printed, from the slowest; contacts have more, far above the cam's orders.
 TOLD = 5
 RPM = 30.0 / math.pi
+# Letters of a line that has room for every table.
+WIDE = 1000
 
 
 @dataclass(frozen=True)
@@ -209,22 +211,35 @@ def make_plan(tables: Mapping[str, Any], speeds: Range, out: Path) -> tuple[Plan
 
 def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
     """A line for each speed."""
-    columns, lost, places = select_columns(table), find_lost(table), dict[str, list[float]]()
-    heads = (head for head, _, _ in columns)
-    marked = Column("cycle", no_wrap=True)
+    columns, places = select_columns(table), dict[str, list[float]]()
     parts = dict.fromkeys(name.rpartition(".")[0] for _, name, _ in columns)
-    title = f"Steady cycles: columns are of {', '.join(parts)}"
+    title, room = f"Steady cycles: columns are of {', '.join(parts)}", len(columns)
+    console, shown = reporter.console, _tabulate(table, columns, title)
+    free = console.options.update_width(WIDE)  # a table measures itself no wider than its console
+    while room and console.measure(shown, options=free).minimum > console.width:
+        room -= 1
+        shown = _tabulate(table, columns[:room], title)
+    console.print(shown)
+    if left := ", ".join(head for head, _, _ in columns[room:]):
+        reporter.line(f"the terminal is too narrow for {left}: see speeds.csv")
+    for i, speed in enumerate(table["speed"].values):
+        if place := name_lost(table.isel(speed=i)):
+            places.setdefault(place, []).append(speed)
+    for place, speeds in places.items():
+        reporter.line(f"contact is lost{place} at {list_speeds(np.array(speeds))}")
+
+
+def _tabulate(table: xarray.Dataset, columns: Sequence[tuple[str, str, float]], title: str) -> Table:
+    heads, lost = (head for head, _, _ in columns), find_lost(table)
+    marked = Column("cycle", no_wrap=True)
     shown = Table("r/min", *heads, marked, title=title, title_justify="left", padding=0)
     for i, speed in enumerate(table["speed"].values):
         cells = (format_number(scale * float(table[name][i])) for _, name, scale in columns)
-        if place := name_lost(table.isel(speed=i)):
-            places.setdefault(place, []).append(speed)
         marks = {"contact lost": lost[i], "not steady": table["change"][i] > STEADY}
         found = ", ".join(text for text, holds in marks.items() if holds) or "steady"
+        marked.min_width = max(marked.min_width or 0, len(found))  # its words are in one line
         shown.add_row(f"{speed * RPM:.0f}", *cells, found)
-    reporter.console.print(shown)
-    for place, speeds in places.items():
-        reporter.line(f"contact is lost{place} at {list_speeds(np.array(speeds))}")
+    return shown
 
 
 def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:

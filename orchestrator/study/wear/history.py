@@ -125,7 +125,7 @@ def follow(train: WearingTrain, tolerance: float, folder: Path, reporter: Report
     (folder / FOLDER).mkdir(exist_ok=True)
     with (
         tell_interruption(lambda: f"the simulated cycles are kept in {folder}: the same command continues"),
-        reporter.stage(f"wear of {train.cam}") as bar,
+        reporter.stage(train.worn) as bar,
     ):
         simulations = _Simulations(train, folder / FOLDER, bar.show)
         state = np.zeros((len(train.rows), PLACES.size))

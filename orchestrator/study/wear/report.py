@@ -17,6 +17,7 @@ from ...assessment.figures_of_merit import CONTACT
 from ...errors import Option, Words
 from ...scenario.files import to_full_toml
 from ...scenario.lift_table import format_lifts
+from ...store.csv_file import write_sheet
 from .history import MOST, History, deepest
 from .train import CAM, FIGURES, LOSS
 
@@ -152,7 +153,7 @@ def tabulate(history: History, interval: Interval) -> xarray.Dataset:
         "along": xarray.Variable("along", middle, {"units": "m", "long_name": "along the follower"}),
     }
     return xarray.Dataset(found, places).assign_attrs(
-        title=f"{train.scenario.name}: wear of {train.cam} under {train.contact}",
+        title=f"{train.scenario.name}: {train.worn}",
         answer=describe(history, interval),
         fault=history.fault,
         error=history.error,
@@ -170,7 +171,7 @@ def write(history: History, table: xarray.Dataset, folder: Path) -> list[Path]:
     table.to_netcdf(files[0], engine="h5netcdf")
     ages = table.drop_dims(("angle", "along")).to_dataframe()
     ages.columns = [f"{name} [{table[name].attrs['units']}]" for name in ages.columns]
-    ages.to_csv(files[1], index_label="age")
+    write_sheet(files[1], ages.to_csv(index_label="age"))
     points = history.train.fresh.wear_off(history.ages[-1].state[LOSS])
     files[2].write_text(format_lifts(points), "utf-8")
     return files

@@ -73,6 +73,12 @@ class WearingTrain:
     follower_wears: bool
 
     @property
+    def worn(self) -> str:
+        """What wears, in words: the component that holds the cam may be the follower that it moves."""
+        bodies = "cam and follower" if self.follower_wears else "the cam"
+        return f"wear of {bodies} in {self.contact}"
+
+    @property
     def load(self) -> str:
         """The load that wears: that of the asperities, of smooth surfaces all of it."""
         return "asperity_load" if self.parameter("roughness") > 0.0 else "load"
