@@ -15,7 +15,7 @@ from ..core.component import Component, PowerBond, check_sizes
 from ..core.integrator import FINE_TOLERANCE
 from ..core.quantities import Vector, layouts
 from ..plausible import PRELOAD
-from .shared import SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
+from .shared import CLOSED_COILS, SurgeDamping, SurgeFrequency, WireAmplitude, WireStrength, WireStress
 
 
 @dataclass
@@ -38,7 +38,9 @@ class Parameters:
         2e-3,
         positive=True,
     )
-    stop_stiffness: float = kinds.SEAT_STIFFNESS("stiffness of closed coils", 5e6, nominal=1e6, minimum=0.0)
+    stop_stiffness: float = kinds.SEAT_STIFFNESS(
+        "stiffness of closed coils", CLOSED_COILS, nominal=1e6, minimum=0.0
+    )
     stop_damping: float = kinds.DAMPING("damping of closed coils", 20.0, nominal=10.0)
     wire_stress: WireStress = 0.0
     wire_amplitude: WireAmplitude = 0.0

@@ -7,6 +7,9 @@ from .. import kinds
 from ..core.quantities import Quantity
 from ..plausible import SURGE_FREQUENCY
 
+# Stiffness (N/m) of coils that touch, where a spring states none.
+CLOSED_COILS = 5e6
+
 SurgeFrequency = Annotated[
     float,
     Quantity(

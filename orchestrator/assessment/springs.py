@@ -1,15 +1,14 @@
 """What is asked of a valve's springs: forces, surge, travel left to coil bind, fatigue of the wire."""
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from models.core.quantities import Quantity
+from models.core.quantities import Quantity, Vector
 from models.valve_train.wire_materials import Fatigue
 
 from .motion import NONE, Figure, Found, Part, find_largest, find_least
-
-STRESS = Quantity("Pa", "largest shear stress in the wire", display_unit="MPa")
 
 
 def _surge(part: Part) -> Found:
@@ -23,25 +22,47 @@ def _least_gap(spring: Part) -> Found:
     return find_least("least_gap")(spring) if np.ptp(spring["least_gap"]) else NONE
 
 
+def _find_wire_force(spring: Part, force: str) -> Vector:
+    """The force that twists the wire, of the tightest coils while they are open, or at the spring's end if it
+    is larger; at its end only where gaps of coils differ."""
+    if (clearance := _find_clearance(spring)) is None:
+        return np.asarray(spring[force])
+    compression = clearance - np.maximum(spring["least_gap"], 0.0)
+    tightest = spring.parameter("preload") + spring.parameter("spring_rate") * compression
+    # Coils that touch bear each other: the wire between them is not twisted further.
+    solid = spring.parameter("preload") + spring.parameter("spring_rate") * clearance
+    return np.maximum(tightest, np.minimum(spring[force], solid))
+
+
+def _find_clearance(spring: Part) -> float | None:
+    """Travel (m) until all coils touch; None where they do one after the other."""
+    names = spring.motion.system.instances[spring.name].component.parameters.names
+    gaps = [spring.parameter(name) for name in names if name.startswith("gap[")]
+    if not gaps:
+        return spring.parameter("clash_clearance")
+    return sum(gaps) if math.isclose(min(gaps), max(gaps)) else None
+
+
 def _stress(force: str) -> Callable[[Part], Found]:
-    """Of the largest force, in coils that do not touch; none of a spring whose wire is not known."""
+    """None of a spring whose wire is not known."""
 
     def find(spring: Part) -> Found:
-        row, by_force = np.argmax(spring[force]), spring.parameter("wire_stress")
-        return Found.at(by_force * spring[force], row) if by_force > 0.0 else NONE
+        by_force = spring.parameter("wire_stress")
+        return Found.largest(by_force * _find_wire_force(spring, force)) if by_force > 0.0 else NONE
 
     return find
 
 
 def _fatigue_safety(force: str) -> Callable[[Part], Found]:
-    """Goodman's line, between the least and the largest force."""
+    """Goodman's line, between the least force at the spring's end and the largest in its wire."""
 
     def find(spring: Part) -> Found:
         by_force = spring.parameter("wire_stress")
         fatigue = Fatigue(spring.parameter("wire_amplitude"), spring.parameter("wire_strength"))
         if not min(by_force, fatigue.amplitude, fatigue.mean) > 0.0:
             return NONE
-        low, high = by_force * float(np.min(spring[force])), by_force * float(np.max(spring[force]))
+        low = by_force * float(np.min(spring[force]))
+        high = by_force * float(np.max(_find_wire_force(spring, force)))
         return Found(1.0 / fatigue.use(0.5 * (high - low), 0.5 * (high + low)))
 
     return find

@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError
 
 from models.plausible import WIRE
+from models.valve_train.shared import CLOSED_COILS
 from models.valve_train.wire_materials import MATERIALS, MPA, PEENED, UNPEENED
 from models.valve_train.wire_spring import WireSpring
 
@@ -115,7 +116,8 @@ def read_wire(written: Any) -> Wire:
 
 
 def insert_wire(table: dict[str, Any]) -> Inserted:
-    """Rate, surge, preload, gaps and strength by the table's `wire`."""
+    """Rate, surge, preload, gaps and strength by the table's `wire`, and a stiffness of closed coils if none
+    is given."""
     given = table.get("parameters", {})
     for name in given:
         if name.partition("[")[0] in FOUND:
@@ -139,6 +141,8 @@ def insert_wire(table: dict[str, Any]) -> Inserted:
         found |= {f"gap[{i}]": gap for i, gap in enumerate(map(float, spring.cut(force, segments)), 1)}
     else:
         found["clash_clearance"] = travel
+        if "clash_stiffness" not in given:
+            found["clash_stiffness"] = CLOSED_COILS
     note = (
         f"its wire gives {found['spring_rate'] / 1e3:.4g} N/mm, {found['surge_frequency']:.4g} Hz, "
         f"{force:.4g} N installed ({found['wire_stress'] * force / MPA:.4g} MPa), "

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray
 
 from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
@@ -14,6 +15,7 @@ from orchestrator.assessment.motion import Motion
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.values import to_numbers
+from orchestrator.study.speeds.sweep import describe_clash
 
 WIRE = {
     "diameter": "4 mm",
@@ -125,3 +127,34 @@ def test_stress_and_safety_of_a_motion_are_those_of_its_forces() -> None:
     }
     assert math.isnan(plain["largest_stress"])
     assert math.isnan(plain["fatigue_safety"])
+
+
+def test_stress_is_that_of_the_tightest_coils_until_they_touch() -> None:
+    """f_p + k0 (travel to coil bind - travel left): surge closes coils further than the spring's end."""
+    wire = {"wire_stress": 1e6, "wire_amplitude": 400e6, "wire_strength": 1000e6}
+    system = System({"spring": Instance(CATALOGUE["coil_spring"](), wire)}, [])
+    for left, force in ((5e-3, 330.0 + 35e3 * 13e-3), (-2e-3, 330.0 + 35e3 * 18e-3)):
+        columns = {
+            "spring.force": np.array([330.0, 700.0, 500.0]),
+            "spring.least_gap": np.array([18e-3, 10e-3, left]),
+        }
+        motion = Motion(system, np.arange(3.0), lambda name, of=columns: of.get(name, np.zeros(3)), None)
+        found = {name: value for _, name, _, value in measure(motion)}
+        assert found["largest_stress"] == (pytest.approx(force * 1e6), 2)
+        half = 0.5 * (force - 330.0)
+        safety = 1.0 / (half / 400.0 + (330.0 + half) / 1000.0)
+        assert found["fatigue_safety"].value == pytest.approx(safety)
+
+
+def test_coils_of_a_wire_that_touch_are_stiff_and_said() -> None:
+    """As those of a coil spring, unless a stiffness is given; a sweep says where they touch."""
+    own = "components.valve_spring."
+    wires = [f"{own}wire.{key} = {value}" for key, value in WIRE.items()]
+    for more, stiffness in (([], 5e6), ([f"{own}parameters.clash_stiffness = 1e7"], 1e7)):
+        table = load("seat-and-lash", [*wires, *more]).components["valve_spring"]
+        values = to_numbers(table.resolve().parameters, table.parameters)
+        assert values["clash_stiffness"] == stiffness
+    found = {"valve_spring.least_gap": ("speed", [1e-3, -0.2e-3, -1.5e-3])}
+    speeds = np.array([1000.0, 2000.0, 3000.0]) * math.pi / 30.0
+    (said,) = describe_clash(xarray.Dataset(found, {"speed": speeds}))
+    assert "valve_spring clash at 2 speeds from 2000 to 3000 r/min, the tightest 1.5 mm" in said

@@ -294,6 +294,20 @@ def describe_lift_loss(table: xarray.Dataset) -> Iterator[str]:
             yield f"{name.rpartition('.')[0]}: the area under its lift is {change}"
 
 
+def describe_clash(table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each spring whose coils touch at some speed."""
+    for name in (str(name) for name in table.data_vars if str(name).endswith(".least_gap")):
+        gaps = table[name].values
+        if not (touching := gaps < 0.0).any():
+            continue
+        worst = int(np.nanargmin(gaps))
+        yield (
+            f"coils of {name.rpartition('.')[0]} clash at {list_speeds(table['speed'].values[touching])}, "
+            f"the tightest {-1e3 * gaps[worst]:.3g} mm of travel beyond coil bind at "
+            f"{float(table['speed'][worst]) * RPM:.0f} r/min; a spring with more travel avoids it"
+        )
+
+
 def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[str]:
     """A sentence on each contact whose film formula grows with the load and feeds its vibrations."""
     for name in map(str, table.data_vars):
