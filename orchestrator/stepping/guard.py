@@ -20,9 +20,10 @@ WINDOW = 50
 SWING = 0.3
 # Swings in a window without a landing before them, or after landings, that are an instability.
 UNPROVOKED, LASTING = 1.9, 0.4 * WINDOW
-# Where the mean miss of the last steps, fewer than a window, is less than this share of the window's, a swing
-# dies out: it is a motion that steps resolve coarsely, as they may with signals of a high order.
-LATELY, DYING = 10, 0.5
+# Where the mean miss of so many last steps is less than it has been, a swing dies out: it is a motion that
+# steps resolve coarsely, as they may with signals of a high order, or a coupling just stable. What has been
+# fades by this factor in each step, so that a swing that goes on is seen behind a larger one.
+LATELY, FADES = 10, 0.999
 # A value that was at rest, up to this share of its nominal size, lands where it leaves its rest by more than
 # that share.
 REST, LANDING = 1e-12, 1e-2
@@ -59,7 +60,8 @@ class RunawayGuard:
         self._sums = {name: np.zeros(len(nominal)) for name in ("missed", "sizes", "swings", "unprovoked")}
         self._sums["landed"] = np.full(1, math.inf)  # steps since the last landing
         self._sums["lately"] = np.zeros(len(nominal))  # as `missed`, over LATELY steps
-        self._sums["weights"] = np.zeros(2)  # of these two sums
+        self._sums["largest"] = np.zeros(len(nominal))  # mean of that sum
+        self._sums["weight"] = np.zeros(1)  # of that sum
         past = coupling.state.history
         self._memory = ArrayPointers(
             times=past.times, values=past.values, new=coupling.state.values, nominal=nominal, **self._sums
@@ -108,9 +110,9 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
     times, values, new, nominal = numbers(m.times), table(m.values), numbers(m.new), numbers(m.nominal)
     missed, sizes, landed = numbers(m.missed), numbers(m.sizes), numbers(m.landed)
     swings, unprovoked = numbers(m.swings), numbers(m.unprovoked)
-    lately, weights = numbers(m.lately), numbers(m.weights)
+    lately, largest, weight = numbers(m.lately), numbers(m.largest), numbers(m.weight)
     keep, keep_lately = 1.0 - 1.0 / WINDOW, 1.0 - 1.0 / LATELY
-    weights[0], weights[1] = keep * weights[0] + 1.0, keep_lately * weights[1] + 1.0
+    weight[0] = keep_lately * weight[0] + 1.0
     landed[0] += 1.0
     for i in range(new.shape[0]):
         resting = known > 1 and abs(values[0, i] - values[1, i]) <= REST * nominal[i]
@@ -122,12 +124,13 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
         miss = abs(new[i] - (v + (time - times[0]) * d))
         missed[i], lately[i] = keep * missed[i] + miss, keep_lately * lately[i] + miss
         sizes[i] = keep * sizes[i] + max(abs(new[i]), nominal[i])
-        largest = max(max(abs(new[i]), nominal[i]), max(abs(values[0, i]), abs(values[1, i])))
-        swing = 1.0 if miss > SWING * largest else 0.0
+        size = max(max(abs(new[i]), nominal[i]), max(abs(values[0, i]), abs(values[1, i])))
+        swing = 1.0 if miss > SWING * size else 0.0
         swings[i] = keep * swings[i] + swing
         unprovoked[i] = keep * unprovoked[i] + (swing if landed[0] > WINDOW else 0.0)
         unstable |= swings[i] > LASTING or unprovoked[i] > UNPROVOKED
-        dying = lately[i] / weights[1] < DYING * missed[i] / weights[0]
+        dying = lately[i] / weight[0] < FADES * largest[i]
+        largest[i] = max(lately[i] / weight[0], FADES * largest[i])
         if missed[i] > most * sizes[i] and not dying:
             worst, most = i, missed[i] / sizes[i]
     if worst >= 0 and unstable:

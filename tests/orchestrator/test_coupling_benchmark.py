@@ -8,6 +8,7 @@ held inputs, which leaves its quadratic signals at second order, and happens to 
 linear ones: hence Gauss-Seidel in that row, and the Jacobi one beside it with the method's own error.
 """
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 
 import numpy as np
@@ -197,19 +198,35 @@ def test_a_swing_that_grows_is_still_an_instability(step: float) -> None:
         run_steps(Jacobi("hermite"), step, 150 * step)
 
 
-@pytest.mark.parametrize("rest", [0.0, 1e-290])
-def test_a_value_that_has_all_but_died_out_may_jump(rest: float) -> None:
-    """From a swing of 1e-290 to 2e4 in one step, as the enthalpy of a pipe that is filled at once, and then a
-    ringing over twenty steps that does not grow: as from rest."""
+def follow(course: Sequence[float]) -> None:
+    """What the guard says of a value with this course."""
     wiring = SimpleNamespace(
         sources=["pipe.h"], connected=np.array([0]), nominal=np.array([1.0]), degrees=np.array([HIGHEST])
     )
-    history = SimpleNamespace(times=np.array([0.0, -0.1, -0.2]), values=np.zeros((3, 1)), count=3)
+    values = np.full((3, 1), course[0])
+    history = SimpleNamespace(times=np.array([0.0, -0.1, -0.2]), values=values, count=3)
     state = SimpleNamespace(values=np.zeros(1), history=history)
     guard = RunawayGuard(SimpleNamespace(wiring=wiring, state=state, restorable=False), Jacobi("hold"))
-    course = [*rest * (-1.0) ** np.arange(60), *2e4 * (1.0 + 0.9 * (-0.9) ** np.arange(20))]
     for k, value in enumerate(course):
         state.values[0] = value
         guard.judge(0.1 * (k + 1), 0.1)
         history.values[1:], history.times[1:] = history.values[:-1].copy(), history.times[:-1].copy()
         history.values[0], history.times[0] = value, 0.1 * (k + 1)
+
+
+@pytest.mark.parametrize("rest", [0.0, 1e-290])
+def test_a_value_that_has_all_but_died_out_may_jump(rest: float) -> None:
+    """From a swing of 1e-290 to 2e4 in one step, as the enthalpy of a pipe that is filled at once, and then a
+    ringing over twenty steps that does not grow: as from rest."""
+    follow([*rest * (-1.0) ** np.arange(60), *2e4 * (1.0 + 0.9 * (-0.9) ** np.arange(20))])
+
+
+@pytest.mark.parametrize("turn", [np.pi, 2.0, 1.0])
+def test_what_grows_is_unstable_and_what_dies_out_slowly_is_not(turn: float) -> None:
+    """A value of a coupling with an eigenvalue r exp(i turn), over 400 steps from 1000 nominal sizes."""
+    steps = np.arange(400)
+    for radius in (0.5, 0.85, 0.9, 0.95, 0.98, 0.99):
+        follow(1e3 * radius**steps * np.cos(turn * steps))
+    for radius in (1.0, 1.001, 1.01, 1.1):
+        with pytest.raises(UnstableCouplingError, match="unstable coupling"):
+            follow(1e3 * radius**steps * np.cos(turn * steps))
