@@ -158,7 +158,9 @@ def test_the_same_command_keeps_the_cycles_of_the_history(worn: tuple[list[str],
         (folder / name).unlink()  # as after an interruption
     again = called(*arguments)
     assert "spring_rate = 100 N/m" in (folder / "wear.html").read_text("utf-8")
-    assert again.stdout.splitlines()[1:] == [line for line in text.splitlines()[1:] if "% done" not in line]
+    passing = ("% done", "compiling")  # as the machine is fast, and has kernels
+    first = [line for line in text.splitlines() if not any(word in line for word in passing)]
+    assert again.stdout.splitlines()[1:] == first[1:]
     assert {file.name: file.stat().st_mtime_ns for file in (folder / "cycles").iterdir()} == before
 
 
