@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from rich import box
 from rich.console import Console
@@ -98,10 +98,13 @@ unwritten: list[OSError] = []
 
 class SafeConsole(Console):
     """Prints no more where the reader has left or the disk is full: results do not depend on what is shown.
-    Names from files of others cannot command the terminal.
+    Names from files of others cannot command the terminal, and units in brackets are no styles.
 
     The error is kept for the command, which tells of it at its end.
     """
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(markup=False, emoji=False, **options)
 
     def on_broken_pipe(self) -> None:
         raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE), "standard output")

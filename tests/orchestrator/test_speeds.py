@@ -11,6 +11,7 @@ import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
+from rich.table import Table
 
 import tribocosim
 from models.catalogue import CATALOGUE
@@ -19,7 +20,7 @@ from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import find_orders
-from orchestrator.reporter import Reporter
+from orchestrator.reporter import Reporter, SafeConsole
 from orchestrator.scenario.files import load, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
@@ -27,7 +28,13 @@ from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
 from orchestrator.study.speeds.separation import RPM
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
-from orchestrator.study.speeds.sweep import describe_lift_loss, describe_unsteady, read_table, report_cycles
+from orchestrator.study.speeds.sweep import (
+    describe_lift_loss,
+    describe_unsteady,
+    describe_yielding,
+    read_table,
+    report_cycles,
+)
 from tribocosim.reporting import SilentReporter
 
 from .commands import called, said
@@ -397,3 +404,22 @@ def test_a_train_without_contacts_has_no_separation():
 def test_bisection_ends_within_a_tenth_of_a_revolution():
     found = separation.bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
     assert 0.0 <= found - 123.4 <= separation.CLOSE
+
+
+def test_a_sweep_says_where_bodies_yield():
+    speeds = np.array([1000.0, 2000.0, 3000.0]) / separation.RPM
+    found = {"stress_ratio": [0.5, 1.2, 2.1], "peak_pressure": [1e9, 2.4e9, 4.2e9]}
+    table = xarray.Dataset({f"cam.{n}": ("speed", v) for n, v in found.items()}, {"speed": speeds})
+    (said,) = describe_yielding(table)
+    assert "cam is above the elastic limit at 2 speeds from 2000 to 3000 r/min, 4200 MPa at 3000" in said
+    assert not list(describe_yielding(table.isel(speed=[0])))
+
+
+def test_units_in_brackets_are_no_styles_of_the_console():
+    console = SafeConsole(file=StringIO(), width=80)
+    table = Table("figure [mm]")
+    table.add_row("least_gap [m/s]")
+    console.print(table)
+    shown = console.file.getvalue()
+    assert "figure [mm]" in shown
+    assert "least_gap [m/s]" in shown

@@ -138,7 +138,10 @@ def _find_losses(
 
         @functools.cache
         def measure(speed: float) -> dict[str, bool]:
-            cycle = subject.find_cycle_at(speed)
+            try:
+                cycle = subject.find_cycle_at(speed)
+            except ModelError as error:
+                raise ModelError((f"at {RPM * speed:.0f} r/min ", error.fault), *error.remedies) from None
             if not cycle.steady:
                 unsteady.add(speed)
             bar.show(min(0.99, next(done) / count))

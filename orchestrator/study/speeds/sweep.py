@@ -308,6 +308,21 @@ def describe_clash(table: xarray.Dataset) -> Iterator[str]:
         )
 
 
+def describe_yielding(table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each contact whose bodies yield at some speed."""
+    for name in (str(name) for name in table.data_vars if str(name).endswith(".stress_ratio")):
+        ratio, contact = table[name].values, name.rpartition(".")[0]
+        if not (yields := ratio > 1.0).any():
+            continue
+        worst = int(np.nanargmax(ratio))
+        pressure = 1e-6 * float(table[f"{contact}.peak_pressure"][worst])
+        yield (
+            f"the pressure in {contact} is above the elastic limit at "
+            f"{list_speeds(table['speed'].values[yields])}, {pressure:.4g} MPa at "
+            f"{float(table['speed'][worst]) * RPM:.0f} r/min: the bodies yield, which is not computed"
+        )
+
+
 def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[str]:
     """A sentence on each contact whose film formula grows with the load and feeds its vibrations."""
     for name in map(str, table.data_vars):
