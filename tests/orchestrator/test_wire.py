@@ -15,7 +15,7 @@ from orchestrator.assessment.motion import Motion
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.values import to_numbers
-from orchestrator.study.speeds.sweep import describe_clash
+from orchestrator.study.speeds.sweep import list_doubts
 
 WIRE = {
     "diameter": "4 mm",
@@ -154,7 +154,8 @@ def test_coils_of_a_wire_that_touch_are_stiff_and_said() -> None:
         table = load("seat-and-lash", [*wires, *more]).components["valve_spring"]
         values = to_numbers(table.resolve().parameters, table.parameters)
         assert values["clash_stiffness"] == stiffness
-    found = {"valve_spring.least_gap": ("speed", [1e-3, -0.2e-3, -1.5e-3])}
+    found = {"valve_spring.least_gap": [1e-3, -0.2e-3, -1.5e-3], "change": np.zeros(3)}
     speeds = np.array([1000.0, 2000.0, 3000.0]) * math.pi / 30.0
-    (said,) = describe_clash(xarray.Dataset(found, {"speed": speeds}))
+    cycles = xarray.Dataset({name: ("speed", column) for name, column in found.items()}, {"speed": speeds})
+    (said,) = list_doubts(None, None, cycles)
     assert "valve_spring clash at 2 speeds from 2000 to 3000 r/min, the tightest 1.5 mm" in said

@@ -16,6 +16,7 @@ from rich.table import Column, Table
 
 from models.contact.films import GROWING
 from models.core.roles import Contact
+from models.core.system import System
 from models.core.words import tally
 from models.monolithic.cycle import STEADY
 
@@ -117,9 +118,7 @@ def _conclude(
 ) -> dict[str, Any]:
     """Say what is to be noticed, write, and draw; the content of summary.json."""
     known, system = subject.list_warnings({}), build_system(subject.scenario)
-    unsteady = list(describe_unsteady(table))
-    unsteady += describe_floating(system) if unsteady else []
-    doubts = [*unsteady, *describe_feeding(subject, table), *describe_over_speed(table)]
+    doubts = list_doubts(subject, system, table)
     found = [
         *([second["text"]] if second else []), *doubts, *describe_lift_loss(table),
         *remark_outside(system),
@@ -146,6 +145,16 @@ def _conclude(
     files.append(out / SWEPT)
     reporter.line(f"results in {out}: {', '.join(path.relative_to(out).as_posix() for path in files)}")
     return summary
+
+
+def list_doubts(subject: SpeedSubject, system: System, table: xarray.Dataset) -> list[str]:
+    """Sentences on what makes the numbers of cycles doubtful."""
+    unsteady = list(describe_unsteady(table))
+    floating = describe_floating(system) if unsteady else []
+    return [
+        *unsteady, *floating, *describe_clash(table), *describe_yielding(table),
+        *describe_feeding(subject, table), *describe_over_speed(table),
+    ]  # fmt: skip
 
 
 @contextmanager
