@@ -38,7 +38,7 @@ from orchestrator.study.design.limits import (
 )
 from orchestrator.study.design.lobe import Lobe
 from orchestrator.study.design.report import describe_active
-from orchestrator.study.design.run import describe_excess, find_own_limits
+from orchestrator.study.design.run import describe_excess, describe_own_ramp, find_own_limits
 from orchestrator.study.design.search import Search, Seen
 from orchestrator.study.design.slp import Active, Line, Problem, maximise
 from orchestrator.study.design.train import open_train
@@ -243,6 +243,43 @@ def test_a_first_lift_has_the_limits_of_corners_that_bumps_cannot_follow() -> No
     begun = search.begin()
     assert not search.own_excesses(begun)
     assert lobe.bumps.areas @ begun > 0.97 * area
+
+
+def write_ramped(folder: Path) -> Path:
+    """A polynomial lift of 8.75 mm over 140 deg on ramps of 0.25 mm, of 0.01 mm/deg, blended over 5 deg."""
+    powers, angles = np.array([2, 8, 14, 20, 26]), np.arange(360)
+    falling = np.array([np.prod(powers - np.arange(n)[:, None], axis=0) for n in range(5)], dtype=float)
+    share = np.linalg.solve(falling, [-1.0, 0.0, 0.0, 0.0, 0.0])
+    away = np.abs(angles - 180.0)
+    event = 8.75 * (1.0 + np.minimum(away / 70.0, 1.0)[:, None] ** powers @ share)
+    fine = np.arange(0.0, 95.01, 0.01)
+    blend = np.clip((95.0 - fine) / 5.0, 0.0, 1.0) * np.clip((fine - 65.0) / 5.0, 0.0, 1.0)
+    slow = np.cumsum((blend**2 * (3.0 - 2.0 * blend))[::-1])[::-1]
+    lift = event + np.interp(away, fine, 0.25 * slow / slow[0], right=0.0)
+    file = folder / "ramped.csv"
+    rows = (f"{a}, {s:.4f}" for a, s in zip(angles, lift, strict=True))
+    file.write_text("\n".join(["angle [deg], lift [mm]", *rows]), "utf-8")
+    return file
+
+
+def test_a_designed_lift_falls_nowhere_before_its_nose(tmp_path: Path) -> None:
+    """Ramps of a lift table are a part of its event. Where a second opening on them is what is wanted, the
+    limits of the cam leave none, though it would stay above its feet."""
+    table = write_ramped(tmp_path)
+    train = open_train(read_changed("finger-follower", [f"components.finger.lift_table={table}"]), 20)
+    lobe, speed = train.lobe, 100.0 * math.pi
+    assert "replaces the ramps of finger, up to 0.2" in describe_own_ramp(train)
+    assert not describe_own_ramp(open_train(read_changed("finger-follower"), 20))
+    sizes = find_own_limits(train, Limits(), speed)
+    search = Search(train, Wanted(sizes, {}, {}, 0.0, [speed], []), np.zeros((0, 2)), speed, 1.0, print)
+    x = search.begin()
+    for side in (-1.0, 1.0):
+        high, low = lobe.bumps.at(math.pi + side * np.radians([75.0, 67.5]))
+        best = search.solve(search.own_model(x, Line("valley", 0.0, high - low, 0.0 * x)), x, 0.05, 1)
+        assert best.feasible
+        s = lobe.points(best.unknowns).lift
+        nose = int(np.argmax(s))
+        assert min(np.diff(s[: nose + 1]).min(), -np.diff(s[nose:]).max()) > -1e-8
 
 
 def test_limits_of_the_cam_that_contradict_are_told_before_its_cycles() -> None:

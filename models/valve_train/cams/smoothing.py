@@ -85,17 +85,21 @@ class SmoothedLift:
 
     @property
     def ramp(self) -> float:
-        """Lift (m) up to which the samples have a ramp, the higher one of both sides; 0: none."""
-        p, height = self.points, 0.0
-        opposite = int(np.argmax(p.lift)) - p.lift.size // 2
-        for side in (1, -1):
-            columns = (p.lift, side * p.slope, p.curvature)
-            lift, slope, curvature = (np.roll(column, -opposite)[::side] for column in columns)
-            before = slice(0, int(np.argmax(slope)))
-            slow = (slope >= SLOW * slope.max()) & (slope <= FAST * slope.max())
-            straight = np.abs(curvature) <= STRAIGHT * curvature.max()
-            height = max(height, float(lift[before][(slow & straight)[before]].max(initial=0.0)))
-        return height
+        """Lift (m) up to which the samples have a ramp: see `find_ramp`."""
+        return find_ramp(self.points)
+
+
+def find_ramp(points: Points) -> float:
+    """Lift (m) up to which points have a ramp, the higher one of both sides; 0: none."""
+    height, opposite = 0.0, int(np.argmax(points.lift)) - points.lift.size // 2
+    for side in (1, -1):
+        columns = (points.lift, side * points.slope, points.curvature)
+        lift, slope, curvature = (np.roll(column, -opposite)[::side] for column in columns)
+        before = slice(0, int(np.argmax(slope)))
+        slow = (slope >= SLOW * slope.max()) & (slope <= FAST * slope.max())
+        straight = np.abs(curvature) <= STRAIGHT * curvature.max()
+        height = max(height, float(lift[before][(slow & straight)[before]].max(initial=0.0)))
+    return height
 
 
 def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedLift:

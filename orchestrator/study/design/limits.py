@@ -27,6 +27,8 @@ LEAST = 1e-3
 CUSP = 0.02
 # The part of the event about its middle in which the lift has one nose.
 NOSE = 1.0 / 3.0
+# Of the largest velocity, what counts as all of it against the way of a flank.
+SLOW = 0.02
 # The lift (m) at which durations count.
 HEIGHT = 1e-3
 # Of the entraining velocity, in formulas of films.
@@ -84,7 +86,7 @@ def find_sizes(lobe: Lobe, curve: Curve, geometry: Any, speed: float) -> dict[st
         "least_lift": float(curve.s.max()),
         "least_radius": float(radius[find_least_radius(radius, touch.cam_rate)]),
         "wheel_radius": float(-1.0 / bend.min()) if bend.min() < 0.0 else 1e3,
-        "largest_nose_radius": float(1.0 / max(bend[_middle(bend.size)].min(), 1e-3)),
+        "largest_nose_radius": float(1.0 / max(bend[is_middle(bend.size)].min(), 1e-3)),
         "largest_duration": _find_duration(lobe.angles, curve.s),
     }
 
@@ -102,7 +104,7 @@ def _find_duration(angles: Vector, s: Vector) -> float:
     return 4.0 * float(np.abs(np.array(ends) - 0.5 * (angles[0] + angles[-1])).max())
 
 
-def _middle(rows: int) -> NDArray[np.bool_]:
+def is_middle(rows: int) -> NDArray[np.bool_]:
     """Whether a row is in the part of the event with the nose."""
     return np.asarray(np.abs(np.linspace(-1.0, 1.0, rows)) <= NOSE)
 
@@ -117,7 +119,7 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
         "least_radius": lambda q, size: (q.touch.turn * size - q.touch.cam_rate) / base_radius,
         "wheel_radius": lambda q, size: -(q.touch.turn * size + q.touch.cam_rate) / base_radius,
         "largest_nose_radius": lambda q, size: np.where(
-            _middle(q.curve.s.size), (q.touch.cam_rate - q.touch.turn * size) / base_radius, -1.0
+            is_middle(q.curve.s.size), (q.touch.cam_rate - q.touch.turn * size) / base_radius, -1.0
         ),
     }
     for name, excess in others.items():
@@ -126,7 +128,7 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
     yield Limit("undercut", CUSP, lambda q, size: size - q.touch.cam_rate / base_radius)
 
     def rises(state: State, size: float) -> Vector:
-        return np.where(_middle(state.curve.dds.size), state.curve.dds / base_radius - size, -1.0)
+        return np.where(is_middle(state.curve.dds.size), state.curve.dds / base_radius - size, -1.0)
 
     yield Limit("dip of the nose", 0.0, rises)
 
@@ -134,6 +136,20 @@ def kinematic_limits(sizes: Mapping[str, float], speed: float, base_radius: floa
 def closing_limit(ramps: Curve, largest: float) -> Limit:
     """The event adds to its ramps and takes nothing from them."""
     return Limit("lift of the ramps", 0.0, lambda q, size: (ramps.s - q.curve.s) / largest - size)
+
+
+def flank_limit(own: Curve) -> Limit:
+    """The lift falls at no angle before the nose and rises at none behind it, or not faster than that of the
+    scenario's `own` cam: outside the middle third, as the limit of dips holds in it."""
+    rows, middle, nose = np.arange(own.s.size), np.flatnonzero(is_middle(own.s.size)), int(np.argmax(own.s))
+    # Against the way of the flank: -1 where the lift is to rise, 1 where it is to fall.
+    against = 1.0 * (rows > max(nose, middle[-1])) - 1.0 * (rows < min(nose, middle[0]))
+    most, scale = max(0.0, float((against * own.ds).max())), SLOW * float(np.abs(own.ds).max())
+
+    def excess(state: State, size: float) -> Vector:
+        return np.where(against == 0.0, -1.0, (against * state.curve.ds - most) / scale - size)
+
+    return Limit("fall of a flank", 0.0, excess)
 
 
 def duration_limit(angles: Vector, most: float) -> Limit:

@@ -20,7 +20,7 @@ from ...scenario.display import add_unit, format_number, show, show_unit
 from ...scenario.system import list_quantities
 from ..wear.report import describe_place
 from .figures import AREA, Objective
-from .limits import find_sizes
+from .limits import find_sizes, is_middle
 from .lobe import Curve, Lobe
 from .slp import Active
 from .train import DesignedTrain
@@ -48,7 +48,13 @@ SIZES = {
 FLAT, NEAR_TOP, ALIKE = 1.25, 0.99, 2e-3
 # A dip of this part of the largest lift is one.
 DEEP = 1e-4
-DIP = "dip of the nose"
+# Limits that no brief gives, as they are said.
+LIMITED = {
+    "dip of the nose": (
+        "that the nose must not dip, with no acceleration above 0 in the middle third of the event,"
+    ),
+    "fall of a flank": "that the lift must not fall before its nose, nor rise after it,",
+}
 # Outputs over the angle, drawn at the speed where a figure of the new cam is worst.
 DRAWN = {"load": "least_load", "maximum_pressure": "peak_pressure", "film_ratio": "least_film_ratio"}
 OUTPUTS = {"load": "N", "maximum_pressure": "Pa", "film_ratio": "1"}
@@ -199,8 +205,13 @@ def describe_shape(lobe: Lobe, own: Curve, designed: Curve, radii: Sequence[floa
         )
     s = designed.s
     sides = np.maximum.accumulate(s), np.maximum.accumulate(s[::-1])[::-1]
-    if (dip := float((np.minimum(*sides) - s).max())) > DEEP * float(s.max()):
-        yield f"the lift dips by {1e6 * dip:.3g} µm between two noses; limits.largest_nose_radius forbids it"
+    deep = int(np.argmax(dips := np.minimum(*sides) - s))
+    if dips[deep] > DEEP * float(s.max()):
+        where = "on a flank, as the scenario's own; correct that one"
+        if is_middle(s.size)[deep]:
+            where = "between two noses; limits.largest_nose_radius forbids it"
+        place = describe_place(float(lobe.angles[deep]))
+        yield f"the lift dips by {1e6 * dips[deep]:.3g} µm {place}, {where}"
 
 
 def describe_active(active: Active, angle: float, objective: Objective) -> str:
@@ -210,9 +221,7 @@ def describe_active(active: Active, angle: float, objective: Objective) -> str:
     place = "" if math.isnan(angle) else f" {describe_place(angle)}"
     wanted = "area" if objective.name == AREA else objective.name.replace("_", " ")
     effect = f": 1 % more of it changes the {wanted} by {gain:+.2g} %" if abs(gain) > 1e-3 else ""
-    name = active.name.replace("_", " ")
-    if name == DIP:
-        name = "that the nose must not dip, with no acceleration above 0 in the middle third of the event,"
+    name = LIMITED.get(active.name, active.name.replace("_", " "))
     if active.spare > CONFIRMED:
         return f"{name} is not reached, {100.0 * active.spare:.2g} % to spare, and limits next{place}{effect}"
     return f"{name} limits{place}{effect}"

@@ -9,6 +9,8 @@ import numpy as np
 import xarray
 
 from models.compile.temporary import TemporaryFolder
+from models.valve_train.cams.smoothing import find_ramp
+from models.valve_train.cams.table import Points
 
 from ...analyses._evaluate import create_folder, find_results
 from ...assessment.figures_of_merit import CONTACT
@@ -181,7 +183,7 @@ def design(
     train = open_train(asked.tables, brief.coefficients, brief.cam, brief.event, brief.ramps, brief.symmetric)
     bounds = read_bounds(brief, train.scenario, train.subject.flywheel, train.wires)
     train = train.with_parameters(bounds)
-    reporter.notice(list_notices(train.scenario))
+    reporter.notice([*list_notices(train.scenario), *filter(None, [describe_own_ramp(train)])])
     with create_folder(out):
         with reporter.stage("cycles of the scenario's own cam") as bar:
             cycles = _Cycles(train.finder, bar, 2 * STEPS)
@@ -233,6 +235,19 @@ def design(
         answer.line(text)
     answer.write(out, PAGE, (FIGURE, SCENARIO, LIFTS, TABLE, f"{CAM}/"))
     return table
+
+
+def describe_own_ramp(train: DesignedTrain) -> str:
+    """That the event, with its ramps left out, has ramps itself: those of a lift table, which have no law."""
+    lobe, own = train.lobe, train.lobe.own
+    s, ds, dds, _ = (np.subtract(*both) for both in zip(own, lobe.ramps, strict=True))
+    if not (height := find_ramp(Points(lobe.angles, s, ds, dds))):
+        return ""
+    return (
+        f"the designed event replaces the ramps of {train.cam}, up to {1e3 * height:.2g} mm, which are a "
+        "part of its lift table; to keep ramps, take them out of the table, and give the cam a ramp_height "
+        "or the brief [ramps]"
+    )
 
 
 def _introduce(wanted: Wanted, shaft: str) -> str:

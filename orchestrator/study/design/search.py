@@ -33,6 +33,7 @@ from .limits import (
     closing_limit,
     duration_limit,
     film_limit,
+    flank_limit,
     gap_limit,
     kinematic_limits,
     load_limit,
@@ -289,6 +290,7 @@ class Search:
         base = self.geometry(x).base_radius
         yield from kinematic_limits(self.wanted.sizes, self.cam_speed, base)
         yield closing_limit(lobe.ramps, float(lobe.own.s.max()))
+        yield flank_limit(lobe.own)
         if "largest_duration" in self.wanted.sizes:
             yield duration_limit(lobe.angles, self.wanted.sizes["largest_duration"])
 
