@@ -320,12 +320,13 @@ def check_lash(system: System) -> None:
 
 
 def describe_floating(system: System) -> list[str]:
-    """A sentence on each train whose parts nothing takes to rest within the lash, as they have no weight."""
+    """A sentence on each train whose parts, between the cam and the valve, nothing takes to rest within the
+    lash, as they have no weight."""
     found = []
     for train in find_trains(system):
         weights = {
             f"components.{name}.parameters.gravity": parameter_of(system.instances[name], "gravity")
-            for name in train.parts
+            for name in train.parts[: train.parts.index(train.valve)]
             if "gravity" in system.instances[name].component.parameters
         }
         if train.lash > 0.0 and train.contact_law.rests and weights and not any(weights.values()):
