@@ -10,6 +10,7 @@ from models.core.quantities import Vector
 from models.core.system import ModelError
 from orchestrator.study.design.figures import Objective
 from orchestrator.study.design.search import BOX, SHORTER, Search
+from orchestrator.study.design.slp import Active, Rows
 from orchestrator.study.design.wanted import Found
 
 
@@ -77,5 +78,37 @@ def test_a_search_returns_to_no_refused_optimum() -> None:
     train: Any = SimpleNamespace(lobe=lobe, parameters=(), simulate=lambda x, _: looked.append(*x) or 0.0)
     wanted: Any = SimpleNamespace(speeds=[], objective=Objective())
     search = Returning(train, wanted, np.empty((0, 2)), 100.0, 1.0, print)
-    assert search.improve(np.zeros(1), lambda *best: None).found.unknowns == [0.0]
+    improved = search.improve(np.zeros(1), lambda *best: None)
+    assert improved.found.unknowns == [0.0]
     assert looked == [0.0, 4e-3]
+    assert improved.ended == "the search ended because its steps became too small (refused rounds at last: 1)"
+
+
+@pytest.mark.parametrize(("feasible", "gain"), [(True, -0.03), (False, 0.0)])
+def test_only_limits_that_the_accepted_cycles_are_near_to_hold_a_cam(feasible: bool, gain: float) -> None:
+    """Not those of a model that refused rounds have lowered; where no step keeps all limits of the model, the
+    multipliers are of violations, and no price."""
+
+    class Refuted(Returning):
+        def model(self, *others: Any) -> Any:
+            rows = [
+                Rows(name, np.array([excess]), np.zeros((1, 1)), np.zeros(1))
+                for name, excess in (("far", -0.3), ("near", -0.01))
+            ]
+            local = SimpleNamespace(limits=rows)
+            objective = SimpleNamespace(gradient=np.zeros(1))
+            return SimpleNamespace(lines=[], objective=objective, evaluate=lambda x: local)
+
+        def correct(self, model: Any, *others: Any) -> Any:
+            return None
+
+        def solve(self, model: Any, start: Vector, box: float, starts: int) -> Any:
+            assert model is not None
+            active = [Active("far", 0, 2.9), Active("near", 0, -0.03)]
+            return SimpleNamespace(unknowns=start + min(box, 4e-3), active=active, feasible=feasible)
+
+    lobe = SimpleNamespace(angles=np.zeros(1), count=1)
+    train: Any = SimpleNamespace(lobe=lobe, parameters=(), simulate=lambda x, _: 0.0)
+    wanted: Any = SimpleNamespace(speeds=[], objective=Objective())
+    search = Refuted(train, wanted, np.empty((0, 2)), 100.0, 1.0, print)
+    assert search.improve(np.zeros(1), lambda *best: None).active == [(Active("near", 0, gain, 0.01), 0.0)]

@@ -255,6 +255,8 @@ def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
     answer.table(shown)
     for text in [*json.loads(table.attrs["active"]), *json.loads(table.attrs["shape"])]:
         answer.line(text)
+    if improved.ended:
+        answer.line(improved.ended)
     if worst := describe_beyond(improved.found.beyond):
         answer.line(f"no cam within all limits was found; the nearest one is beyond {worst}")
 

@@ -39,7 +39,7 @@ from .limits import (
     load_limit,
     pressure_limit,
 )
-from .slp import Line, Optimum, Problem, maximise
+from .slp import Active, Line, Optimum, Problem, maximise
 from .train import DesignedTrain
 from .wanted import CONFIRMED, Found, Improved, Wanted, describe, describe_beyond
 
@@ -50,6 +50,8 @@ SHORTER, LONGER, MOST_ROUNDS = 0.35, 2.0, 40
 MOVES = (5e-3, 1.5e-2, 5e-2, 0.15, 0.5, 1.5)
 # A round that adds less of the objective is the last.
 LITTLE = 5e-4
+# A limit with more than this share left does not hold a cam.
+NEAR = 0.02
 # Weights of the jerk in a first lift; the largest takes 3 % of the area.
 SMOOTHINGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
 # Further starts differ by up to this part of the box.
@@ -168,7 +170,8 @@ class Search:
         if found.beyond:
             self.tell("it breaks limits itself: the first rounds look for a cam that keeps them all")
         best(found, seen)
-        model, box = self.model(start, seen), BOX
+        accepted = model = self.model(start, seen)
+        box, refused = BOX, 0
         own = model.objective.gradient[self.train.lobe.count :]
         for name, slope in zip(self.train.parameters, own, strict=False):
             if slope == 0.0 and self.wanted.objective.is_figure:
@@ -183,28 +186,39 @@ class Search:
                 here = self.judge(x, seen)
                 gain = here.rank - found.rank
                 if gain > 0.0:
-                    model = self.model(x, seen)
+                    accepted = model = self.model(x, seen)
             except ModelError as error:
                 self.tell(f"round {number} refused: no cycles ({error}); a smaller step is tried")
-                box = shorter
+                box, refused = shorter, refused + 1
                 continue
             said = describe(here, self.wanted.objective)
             if gain > 0.0:
                 self.tell(f"round {number}: {said}")
-                box, found = min(LARGEST, LONGER * box), here
+                box, found, refused = min(LARGEST, LONGER * box), here, 0
                 best(found, seen)
             else:
                 self.tell(f"round {number} refused: {said}; a smaller step is tried")
-                model, box = self.correct(model, x, seen), shorter
+                model, box, refused = self.correct(model, x, seen), shorter, refused + 1
             if 0.0 < gain <= LITTLE or box < SMALLEST:
                 break
-        # What holds the cam, by its own cycles; the optimum of their model reaches farther.
-        last = self.solve(model, found.unknowns, max(box, SMALLEST), 1)
+        ended = f"the search ended because its steps became too small (refused rounds at last: {refused})"
+        trapped = refused > 0 and box < SMALLEST
+        return Improved(found, self.find_active(accepted, found.unknowns, box), ended * trapped)
+
+    def find_active(self, model: Model, x: Vector, box: float) -> list[tuple[Active, float]]:
+        """What holds a cam, by the model of its own cycles, not as refused rounds corrected it. The optimum
+        of the model reaches farther. Where that breaks a limit, multipliers are no prices."""
+        last = self.solve(model, x, max(box, SMALLEST), 1)
         angles, lines = self.train.lobe.angles, {line.name: line.angle for line in model.lines}
-        places = (lines.get(one.name, float(angles[one.row])) for one in last.active)
-        excess = {rows.name: float(rows.excess.max()) for rows in model.evaluate(found.unknowns).limits}
-        active = (one._replace(spare=-excess[one.name]) for one in last.active)
-        return Improved(found, list(zip(active, places, strict=True)))
+        spare = {rows.name: -float(rows.excess.max()) for rows in model.evaluate(x).limits}
+        return [
+            (
+                one._replace(spare=spare[one.name], gain=one.gain if last.feasible else 0.0),
+                lines.get(one.name, float(angles[one.row])),
+            )
+            for one in last.active
+            if spare[one.name] <= NEAR
+        ]
 
     def look(self, x: Vector) -> dict[float, Seen]:
         """The cycles at all speeds; where contact is lost, those of the next lower speeds that keep it."""

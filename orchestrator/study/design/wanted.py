@@ -53,10 +53,14 @@ class Found(NamedTuple):
 
 
 class Improved(NamedTuple):
-    """The best that cycles confirm, and what holds it: active limits, with the cam angles (rad) where."""
+    """The best that cycles confirm, and what holds it: active limits, with the cam angles (rad) where.
+
+    `ended`: that steps became too small, where they did.
+    """
 
     found: Found
     active: Sequence[tuple[Active, float]]
+    ended: str = ""
 
 
 def describe(found: Found, objective: Objective) -> str:
