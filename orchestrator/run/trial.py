@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from models.core.system import Instance, System
+from models.core.words import tally
 
 from ..errors import EndedError, RunError
 from ..masters import MASTERS
@@ -13,6 +14,7 @@ from ..participants.open_fmu import collect_settings
 from ..participants.own_process import Limits
 from ..participants.third_party import ThirdPartyComponent, read_component
 from ..participants.undeclared import list_undeclared
+from ..scenario.capabilities import WHOLE_STEPS
 from ..stepping import FixedSteps
 from .simulation import Session
 
@@ -49,6 +51,7 @@ def _make_steps(path: Path, component: ThirdPartyComponent) -> Iterator[str]:
     start = about.start or 0.0
     step = about.fixed_step or about.step or LONGEST
     length = max((about.stop or 0.0) - start, 0.0) or STEPS * step
+    count = min(STEPS, max(1, int(length / step + WHOLE_STEPS)))  # the next may be shorter
     unit = InOwnProcess(NAME, path, collect_settings(instance), Limits(call_s=PATIENCE))
     try:
         system = System({NAME: instance}, [])
@@ -57,14 +60,13 @@ def _make_steps(path: Path, component: ThirdPartyComponent) -> Iterator[str]:
         )
         session.begin()
         try:
-            for _ in range(STEPS):
-                if session.time < session.stop_time:
-                    session.step()
+            for _ in range(count):
+                session.step()
         except EndedError:
             return  # as it may
         for name, value in component.outputs.named(session.read_outputs()).items():
             if value - value != 0.0:
-                yield f"{name} is {value} at t = {session.time:g} s, after {STEPS} steps"
+                yield f"{name} is {value} at t = {session.time:g} s, after {tally(count, 'step')}"
         for output, given in list_undeclared(unit, component):
             yield (
                 f"{output} depends on {given} at the same instant, but its dependencies in ModelStructure do "

@@ -382,7 +382,9 @@ MODELS["landing"] = Model(
 # Cannot be looked at.
 MODELS["blind"] = replace(DECAY, output="raise(SIGSEGV);")
 MODELS["printing_first"] = replace(MODELS["blind"], output='printf("no licence\\n"); raise(SIGSEGV);')
-MODELS["rigid"] = Model(DECAY.variables, EXPONENTIAL, abilities="", variable_step=False)
+# Makes steps as long as its first one.
+ALIKE = "static double one; if (!one) one = h; if (fabs(h / one - 1) > 1e-6) return ERROR;"
+MODELS["rigid"] = Model(DECAY.variables, f"{ALIKE} {EXPONENTIAL}", abilities="", variable_step=False)
 MODELS["single"] = Model(
     DECAY.variables, EXPONENTIAL, abilities='canBeInstantiatedOnlyOncePerProcess="true" '
 )

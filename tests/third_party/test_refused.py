@@ -265,6 +265,12 @@ def test_what_fails_of_an_fmu_by_itself_is_found_before_a_run(name, tmp_path):
     assert re.match(said, fault), fault
 
 
+def test_an_fmu_with_steps_of_one_length_is_tried_by_no_other(tmp_path):
+    """Nor the rest of its default experiment, which is no whole number of them."""
+    path = replace_text(fmu("rigid", 2, tmp_path), tmp_path / "odd.fmu", 'stopTime="1"', 'stopTime="0.025"')
+    assert tribocosim.validate_fmu(path).faults == []
+
+
 def test_an_output_that_follows_an_input_undeclared_is_found(tmp_path):
     """Masters and references take its dependencies at their word."""
     path = fmu("feedthrough", 2, tmp_path)
