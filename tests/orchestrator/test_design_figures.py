@@ -37,7 +37,7 @@ from orchestrator.study.design.limits import (
     kinematic_limits,
 )
 from orchestrator.study.design.lobe import Lobe
-from orchestrator.study.design.report import describe_active
+from orchestrator.study.design.report import describe_active, describe_shape
 from orchestrator.study.design.run import describe_excess, describe_own_ramp, find_own_limits
 from orchestrator.study.design.search import Search, Seen
 from orchestrator.study.design.slp import Active, Line, Problem, maximise
@@ -280,6 +280,17 @@ def test_a_designed_lift_falls_nowhere_before_its_nose(tmp_path: Path) -> None:
         s = lobe.points(best.unknowns).lift
         nose = int(np.argmax(s))
         assert min(np.diff(s[: nose + 1]).min(), -np.diff(s[nose:]).max()) > -1e-8
+
+
+@pytest.mark.parametrize(
+    ("angle", "place"), [(120.0, "61 deg before the nose, on a"), (175.0, "5 deg .* two noses")]
+)
+def test_a_dip_is_said_with_its_place(angle: float, place: str) -> None:
+    lobe = build_lobe()
+    dip = 1.6e-3 * np.exp(-(((np.degrees(lobe.angles) - angle) / 3.0) ** 2))
+    dipped = lobe.own._replace(s=lobe.own.s - dip)
+    (text,) = describe_shape(lobe, dipped, dipped, [0.01, 0.02])
+    assert re.search(f"the lift dips by .* µm {place}", text)
 
 
 def test_limits_of_the_cam_that_contradict_are_told_before_its_cycles() -> None:
