@@ -48,7 +48,7 @@ class State(NamedTuple):
 class Limit:
     """A limit of that name and size. `excess(state, size)` is without unit. `column` of the answer at `speed`
     (rad/s) is the one that it needs. `by_size`: derivative of the excess by the size, as a share of it, where
-    that is not the one of `excess`."""
+    that is not the one of `excess`. `rare` as in `Rows`."""
 
     name: str
     size: float
@@ -56,6 +56,7 @@ class Limit:
     column: str = ""
     speed: float = 0.0
     by_size: Vector | None = None
+    rare: bool = False
 
 
 def _most(value: Callable[[State], Vector]) -> Callable[[State, float], Vector]:
@@ -149,7 +150,7 @@ def flank_limit(own: Curve) -> Limit:
     def excess(state: State, size: float) -> Vector:
         return np.where(against == 0.0, -1.0, (against * state.curve.ds - most) / scale - size)
 
-    return Limit("fall of a flank", 0.0, excess)
+    return Limit("fall of a flank", 0.0, excess, rare=True)
 
 
 def duration_limit(angles: Vector, most: float) -> Limit:
@@ -285,7 +286,7 @@ class Model:
             elif self.stretched:
                 excess += by_size * (unknowns[-1] - self.place[-1])
                 gradient[:, -1] += by_size
-            rows.append(Rows(limit.name, excess, gradient, by_size))
+            rows.append(Rows(limit.name, excess, gradient, by_size, limit.rare))
         return Local(self.objective.at(unknowns), self.objective.gradient, rows)
 
     def _add_columns(

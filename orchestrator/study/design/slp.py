@@ -31,12 +31,14 @@ FULFILLED = 1e-6
 
 class Rows(NamedTuple):
     """A limit at many places: `excess` <= 0 where it holds, over the limit's scale, and its derivatives by
-    the unknowns; `by_limit` is the derivative of the excess by the limit's own size, as a share."""
+    the unknowns; `by_limit` is the derivative of the excess by the limit's own size, as a share. A `rare`
+    limit is looked at only where an optimum without it breaks it."""
 
     name: str
     excess: Vector
     gradient: Vector
     by_limit: Vector
+    rare: bool = False
 
     @property
     def violation(self) -> float:
@@ -157,7 +159,9 @@ def _solve(problem: Problem, x: Vector, here: Local, box: float) -> tuple[Vector
     matrix, bound = matrix / size[:, None], bound / size
     # Few rows hold: the tightest are taken at first, then those that the optimum breaks.
     taken = np.zeros(bound.size, dtype=np.bool_)
-    taken[np.argsort(bound)[:TIGHTEST]] = True
+    rare = np.repeat([rows.rare for rows in here.limits], [int(near.sum()) for near in kept])
+    taken[np.argsort(np.where(rare, np.inf, bound))[:TIGHTEST]] = True
+    taken &= ~rare
     while True:
         found = linprog(cost * scale, matrix[taken], bound[taken], bounds=limits, method="highs")
         if found.x is None:
