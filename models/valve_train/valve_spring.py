@@ -8,8 +8,6 @@ import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from .. import kinds
 from ..compile.kernel import kernel
 from ..core import roles
@@ -121,15 +119,6 @@ def lumping(coil_masses: int) -> Lumping:
     if coil_masses == 2:
         return Lumping(8.0 / 3.0, 4.0, 2.0 / 3.0)
     return Lumping(2.0 * n, n, n * math.sin(math.pi / (2.0 * n)) ** 2)
-
-
-def spring_frequencies(parameters: ValveSpringParameters, coil_masses: int) -> Vector:
-    """Natural frequencies (Hz) of the undamped spring clamped at both ends, ascending."""
-    share = lumping(coil_masses)
-    rates = np.full(coil_masses + 1, share.inner_rate)
-    rates[[0, -1]] = share.end_rate
-    matrix = np.diag(rates[:-1] + rates[1:]) - np.diag(rates[1:-1], 1) - np.diag(rates[1:-1], -1)
-    return np.asarray(parameters.surge_frequency * np.sqrt(np.linalg.eigvalsh(matrix / share.mass) / 4.0))
 
 
 @kernel

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from models.contact.hertz import deflection, half_width, maximum_pressure, pair_compliance
 from models.core.quantities import Vector
 from models.valve_train.shaft_element import shaft_element
-from models.valve_train.valve_spring import lumping, spring_frequencies
+from models.valve_train.valve_spring import lumping
 
 from ..statement import Values, rms
 from .runs import KINEMATIC_SPEED, NOSE_DEG, SPEEDS, Runs
@@ -83,7 +83,8 @@ def compute_spring(runs: Runs) -> Values:
     """Lumped mass, rates and frequencies of the valve spring, as printed in (1) and with the square of pi."""
     p, share = runs.parameters("valve_spring"), lumping(2)
     printed = float(2.0 / 3.0 * p.spring_rate / (math.pi * p.surge_frequency**2))
-    first, second = (float(f) for f in spring_frequencies(p, 2))
+    rates = share.end_rate, share.end_rate + 2.0 * share.inner_rate  # coils in phase, and against each other
+    first, second = (0.5 * float(p.surge_frequency) * math.sqrt(rate / share.mass) for rate in rates)
     static = p.spring_rate / (2.0 / share.end_rate + 1.0 / share.inner_rate)
     return {
         "printed_kg": printed,
