@@ -48,10 +48,9 @@ def check_kernels(component: Component) -> None:
             try:
                 with np.errstate(all="ignore"):  # as compiled code
                     _check_results(component, evaluate, number, *point)
-            except ModelError:
-                raise
-            except (ArithmeticError, ValueError):
-                if COMPILED:  # otherwise Python raises where compiled code has NaN
+            except (ArithmeticError, ValueError) as error:
+                # Python raises where compiled code has NaN.
+                if COMPILED or isinstance(error, ModelError):
                     raise
     except ModelError:
         raise

@@ -27,11 +27,10 @@ def _find_wire_force(spring: Part, force: str) -> Vector:
     is larger; at its end only where gaps of coils differ."""
     if (clearance := _find_clearance(spring)) is None:
         return np.asarray(spring[force])
-    compression = clearance - np.maximum(spring["least_gap"], 0.0)
-    tightest = spring.parameter("preload") + spring.parameter("spring_rate") * compression
+    preload, rate = spring.parameter("preload"), spring.parameter("spring_rate")
+    tightest = preload + rate * (clearance - np.maximum(spring["least_gap"], 0.0))
     # Coils that touch bear each other: the wire between them is not twisted further.
-    solid = spring.parameter("preload") + spring.parameter("spring_rate") * clearance
-    return np.maximum(tightest, np.minimum(spring[force], solid))
+    return np.maximum(tightest, np.minimum(spring[force], preload + rate * clearance))
 
 
 def _find_clearance(spring: Part) -> float | None:
