@@ -73,6 +73,8 @@ def test_a_weak_design_does_not_cut_the_speeds_of_the_others():
     assert [worst and worst.value for worst in load.beside] == [300.0, 300.0, 200.0, None]
     none = choose_speeds({"never": never})
     assert (none.reference, list(none.list_ranges())) == (None, [("955", "2865")])
+    (load,) = tabulate(none)
+    assert ([worst and worst.value for worst in load.worst], load.beside) == ([0.0], [None])
 
 
 def test_a_number_that_only_a_later_design_has_has_its_column():

@@ -175,7 +175,7 @@ def choose_speeds(swept: Mapping[str, Swept]) -> Judged:
     best = good[reference]["speed"].values
     if not best.size:
         every = [one.table for one in swept.values()]
-        return Judged(None, every, every)
+        return Judged(None, every, [table.isel(speed=[]) for table in every])
     common = [np.intersect1d(table["speed"].values, best) for table in good.values()]
     tables = [table.sel(speed=speeds) for table, speeds in zip(good.values(), common, strict=True)]
     return Judged(reference, tables, [good[reference].sel(speed=speeds) for speeds in common])
