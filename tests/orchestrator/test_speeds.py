@@ -354,7 +354,9 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkey
         raise ModelError("no rest", "correct the parameters")
 
     monkeypatch.setattr(SpeedSubject, "find_cycle_at", fail)
-    assert separation.find_second(*usual).text.endswith("was found: no rest; choose another --second-film")
+    assert separation.find_second(*usual).text.endswith(
+        "was found: at 3300 r/min no rest; choose another --second-film"
+    )
 
 
 @pytest.mark.long
