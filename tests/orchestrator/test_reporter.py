@@ -5,9 +5,10 @@ import re
 
 import pytest
 from rich.console import Console
+from rich.table import Table
 
 import orchestrator.reporter
-from orchestrator.reporter import COMPILING, Reporter, follow, show_share
+from orchestrator.reporter import COMPILING, Reporter, SafeConsole, follow, show_share
 
 
 @pytest.fixture
@@ -49,3 +50,13 @@ def test_a_terminal_has_a_bar_and_a_log_has_lines_with_the_time_left(monkeypatch
     with Reporter(Console(file=terminal, width=110, force_terminal=True)).stage("cycles"):
         show_share(0.5)
     assert "cycles ━" in re.sub(r"\x1b\[[\d;?]*[a-zA-Z]", "", terminal.getvalue())
+
+
+def test_units_in_brackets_are_no_styles_of_the_console():
+    console = SafeConsole(file=io.StringIO(), width=80)
+    table = Table("figure [mm]")
+    table.add_row("least_gap [m/s]")
+    console.print(table)
+    shown = console.file.getvalue()
+    assert "figure [mm]" in shown
+    assert "least_gap [m/s]" in shown

@@ -11,7 +11,6 @@ import xarray
 from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
-from rich.table import Table
 
 import tribocosim
 from models.catalogue import CATALOGUE
@@ -20,7 +19,7 @@ from models.monolithic.cycle import STEADY
 from orchestrator.assessment.friction.shares import add_losses
 from orchestrator.errors import MistakeError
 from orchestrator.plots.speeds import find_orders
-from orchestrator.reporter import Reporter, SafeConsole
+from orchestrator.reporter import Reporter
 from orchestrator.scenario.files import load, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
@@ -28,13 +27,7 @@ from orchestrator.study.speeds import separation
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
 from orchestrator.study.speeds.separation import RPM
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
-from orchestrator.study.speeds.sweep import (
-    describe_lift_loss,
-    describe_unsteady,
-    list_doubts,
-    read_table,
-    report_cycles,
-)
+from orchestrator.study.speeds.sweep import read_table, report_cycles
 from tribocosim.reporting import SilentReporter
 
 from .commands import called, said
@@ -267,31 +260,6 @@ def test_the_worst_has_its_speed_and_angle():
     assert find_worst(table, "valve.lift_area", 1e3).describe(True) == "1 at 955"
 
 
-def test_motions_without_a_cycle_are_said_with_their_distance():
-    speeds = np.array([100.0, 200.0, 300.0]) / separation.RPM
-    numbers = {"change": ("speed", [1e-6, 2e-3, 4e-2]), "periods": ("speed", [4.0, 20.0, 25.0])}
-    (sentence,) = describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}))
-    assert sentence.startswith("no steady cycle at 2 speeds from 200 to 300 r/min; the worst at 300 r/min")
-    assert "4 % after 25 periods" in sentence
-    assert not list(describe_unsteady(xarray.Dataset(numbers, {"speed": speeds}).isel(speed=[0])))
-
-
-def test_lift_is_compared_at_speeds_with_contact():
-    """A valve that flies has more area than the cam gives it."""
-    values = {"valve.lift_area": [2e-3, 1.9e-3, 5e-3], "contact.lost": [0.0, 0.0, 0.1]}
-    table = xarray.Dataset(
-        {name: ("speed", column) for name, column in values.items()},
-        {"speed": np.array([100.0, 200.0, 300.0])},
-    )
-    (sentence,) = describe_lift_loss(table)
-    assert sentence == "valve: the area under its lift is 5 % less at 1910 than at 955 r/min"
-    assert not list(describe_lift_loss(table.isel(speed=[2])))
-    table["valve.lift_area"][1] = 2.0001e-3
-    assert list(describe_lift_loss(table)) == [
-        "valve: the area under its lift is unchanged from 955 to 1910 r/min"
-    ]
-
-
 def test_a_run_and_a_sweep_are_not_compared(tmp_path):
     run, sweep = tmp_path / "run", tmp_path / "sweep"
     (sweep / STORE).mkdir(parents=True)
@@ -406,23 +374,3 @@ def test_a_train_without_contacts_has_no_separation():
 def test_bisection_ends_within_a_tenth_of_a_revolution():
     found = separation.bisect_separation(lambda speed: speed >= 123.4, 100.0, 200.0)
     assert 0.0 <= found - 123.4 <= separation.CLOSE
-
-
-def test_a_sweep_says_where_bodies_yield():
-    speeds = np.array([1000.0, 2000.0, 3000.0]) / separation.RPM
-    found = {"stress_ratio": [0.5, 1.2, 2.1], "peak_pressure": [1e9, 2.4e9, 4.2e9], "change": np.zeros(3)}
-    table = xarray.Dataset({f"cam.{n}": ("speed", v) for n, v in found.items()}, {"speed": speeds})
-    table = table.rename({"cam.change": "change"})
-    (said,) = list_doubts(None, None, table)
-    assert "cam is above the elastic limit at 2 speeds from 2000 to 3000 r/min, 4200 MPa at 3000" in said
-    assert not list_doubts(None, None, table.isel(speed=[0]))
-
-
-def test_units_in_brackets_are_no_styles_of_the_console():
-    console = SafeConsole(file=StringIO(), width=80)
-    table = Table("figure [mm]")
-    table.add_row("least_gap [m/s]")
-    console.print(table)
-    shown = console.file.getvalue()
-    assert "figure [mm]" in shown
-    assert "least_gap [m/s]" in shown

@@ -15,7 +15,7 @@ from orchestrator.assessment.motion import Motion
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
 from orchestrator.scenario.values import to_numbers
-from orchestrator.study.speeds.sweep import list_doubts
+from orchestrator.study.speeds.remarks import list_doubts
 
 WIRE = {
     "diameter": "4 mm",
