@@ -253,7 +253,8 @@ def _list_clash(train: Train, found: Merits) -> Iterator[str]:
         if force and force.value > 0.0:
             yield f"coils of {gap.part} clash with up to {force.text}"
         elif gap.value <= 0.0:
-            yield f"coils of {gap.part} clash: the tightest are {gap.text} of travel from coil bind"
+            beyond = gap.text.removeprefix("-")
+            yield f"coils of {gap.part} clash: the tightest are {beyond} of travel beyond coil bind"
     if gaps and (least := min(gaps, key=lambda gap: gap.value)).value > 0.0:
         yield f"no clash of coils, {least.text} of travel left to coil bind"
 

@@ -334,7 +334,7 @@ def describe_floating(system: System) -> list[str]:
                 " and ".join(names) for names in ([one.split(".")[1] for one in weights], weights)
             )
             found.append(
-                f"{parts}: nothing takes them to rest within the lash while {train.valve} is closed, so that "
-                f"turns may begin unlike each other; give {paths}, their weight, e.g. '9.81 m/s2'"
+                f"{parts}: nothing brings them to rest within the lash while {train.valve} is closed, so "
+                f"each turn may begin differently; give them weight: set {paths} to '9.81 m/s2'"
             )
     return found
