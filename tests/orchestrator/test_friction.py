@@ -15,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from models.core.remedies import find_actions
 from orchestrator.assessment.friction import judge
 from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summarise, wear
-from orchestrator.assessment.friction.judge import find_sliding, judge_friction, judge_losses
+from orchestrator.assessment.friction.judge import find_sliding, judge_friction, judge_losses, measure_others
 from orchestrator.assessment.friction.losses import (
     BEARING,
     BORE,
@@ -28,7 +28,8 @@ from orchestrator.assessment.friction.losses import (
     TIP,
     list_losses,
 )  # fmt: skip
-from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables
+from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables, tabulate_others
+from orchestrator.assessment.motion import Motion
 from orchestrator.errors import MistakeError, Option, in_command_line
 from orchestrator.plots.friction import draw_friction
 from orchestrator.plots.style import RC
@@ -289,6 +290,35 @@ def test_each_of_several_contacts_has_a_file_of_its_own():
 def test_contacts_under_cams_are_found(scenario: str, cams: dict[str, str]) -> None:
     """Not those of levers on valves."""
     assert find_sliding(build_system(load(scenario))) == cams
+
+
+@pytest.mark.parametrize(
+    ("scenario", "rubbing"),
+    [("valve-train", 0.0), ("roller-friction", math.nan), ("finger-follower", 10.0), ("engine", 10.0)],
+)
+def test_contacts_elsewhere_than_under_a_cam_are_listed(scenario: str, rubbing: float) -> None:
+    """400 N, of which asperities bear 40 N, slide by 0.5 m/s for 0.1 s under 20 N of friction: 10 W, 0.05,
+    2 J of asperities' load times distance. The friction of a tip whose pad has it is not the contact's."""
+    system, times = build_system(load(scenario)), np.linspace(0.0, 0.1, 11)
+    values = {"load": 400.0, "asperity_load": 40.0, "friction_force": 20.0, "film_ratio": 0.025}
+
+    def read(name: str) -> np.ndarray:
+        variable = name.partition(".")[2]
+        if "angle" in variable:
+            return 62.8318530718 * times
+        return np.full(times.size, values.get(variable, 0.5))
+
+    found = measure_others(Motion(system, times, read, None), 1e-17)
+    if not rubbing:
+        assert not found
+        return
+    assert set(found) == ({"upper_wall", "lower_wall"} if scenario == "engine" else {"valve_contact"})
+    for numbers in found.values():
+        expected = [rubbing, rubbing / 200.0, 0.1, 0.025, 2e-17]
+        assert list(numbers.values()) == pytest.approx(expected, nan_ok=True)
+    cells = [*zip(*(column.cells for column in tabulate_others(found, 1e8).columns), strict=True)]
+    powers = ("", "") if math.isnan(rubbing) else ("10", "0.05")
+    assert cells == [(name, *powers, "10", "0.025", "2") for name in found]
 
 
 @pytest.mark.parametrize(

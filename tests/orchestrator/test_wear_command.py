@@ -21,6 +21,7 @@ from orchestrator.errors import MistakeError, Option
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.scenario.system import build_system
 from orchestrator.study.wear.history import Age, History, follow
 from orchestrator.study.wear.report import Interval, remark, to_text
 from orchestrator.study.wear.run import parse_asked, parse_interval
@@ -206,6 +207,19 @@ def test_an_error_above_the_tolerance_is_remarked(circle: WearingTrain, error: f
     history = History(circle, ages, error * ages[-1].deepest, 4)
     words = " ".join(map(str, remark(history, Interval(1e-18, 1e-16), 0.01)))
     assert ("exceeds the tolerance of 1 %" in words) == exceeds
+    assert "without wear in" not in words
+
+
+def test_contacts_of_the_train_that_are_left_out_are_remarked(
+    circle: WearingTrain, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    finger = replace(circle, system=build_system(load("finger-follower")), contact="cam_contact")
+    assert (circle.others, finger.others) == ([], ["valve_contact"])
+    monkeypatch.setattr(WearingTrain, "others", finger.others)
+    rubbed = circle.rub(circle.unworn)
+    ages = [Age(dose, dose * rubbed.rate, dose * rubbed.follower, 0.0, rubbed) for dose in (0.0, 1e-9)]
+    words = " ".join(map(str, remark(History(circle, ages, 0.0, 4), Interval(1e-18, 1e-16), 0.01)))
+    assert "without wear in valve_contact: " in words
 
 
 def test_the_points_of_a_law_are_the_law() -> None:

@@ -120,8 +120,8 @@ def print_friction(
 
     Of a sweep over speed, or of the designs in its folder, report the friction of the whole train by shares.
     """
-    from orchestrator.assessment.friction.judge import judge_friction, judge_losses
-    from orchestrator.assessment.friction.report import remarks, tables, tabulate, write
+    from orchestrator.assessment.friction.judge import judge_friction, judge_losses, measure_others
+    from orchestrator.assessment.friction.report import remarks, tables, tabulate, tabulate_others, write
     from orchestrator.assessment.friction.shares import remark_losses, tabulate_losses
     from orchestrator.errors import MistakeError, Option
     from orchestrator.plots.friction import draw_friction
@@ -137,18 +137,22 @@ def print_friction(
     if _report_sweeps(folder, given, table, figure, reporter, as_json):
         return
     coefficient = COEFFICIENT if wear_coefficient is None else wear_coefficient
-    scenario, found = judge_friction(folder, contact, coefficient, CYCLES if cycles is None else cycles)
+    turns = CYCLES if cycles is None else cycles
+    scenario, found = judge_friction(folder, contact, coefficient, turns)
     losses, motion = judge_losses(folder, scenario)
+    others = measure_others(motion, coefficient)
     if as_json:
         contacts = {
             one.cycle.contact: tabulate(one.cycle, one.worn, one.coefficient).to_dict() for one in found
         }
-        print_json({**contacts, "shares": losses.shares, "in_the_motion": losses.inside})
+        print_json({**contacts, "others": others, "shares": losses.shares, "in_the_motion": losses.inside})
     for page in tables(found):
         reporter.console.print(page)
     for one in found:
         for line in remarks(one):
             reporter.line(line)
+    if others:
+        reporter.console.print(tabulate_others(others, turns))
     reporter.console.print(tabulate_losses(losses))
     for line in remark_losses(losses, motion):
         reporter.line(line)

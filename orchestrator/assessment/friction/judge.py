@@ -1,5 +1,6 @@
 """Friction and wear of a run's contacts over a cam revolution, from its output folder."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +20,8 @@ from ..merits import read_motion
 from ..motion import Motion, Part
 from ..trains import find_cams, find_law, find_trains, list_parts
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
-from .report import Judged
+from .losses import POWER, list_losses
+from .report import OTHERS, Judged
 from .shares import Losses, measure_losses
 
 
@@ -65,6 +67,30 @@ def judge_losses(folder: Path, scenario: Scenario) -> tuple[Losses, Motion]:
     turn = Part(motion, find_trains(system)[0].cam).last_turn
     cut = turn.motion if turn else motion
     return measure_losses(cut), cut
+
+
+def measure_others(motion: Motion, coefficient: float) -> dict[str, dict[str, float]]:
+    """Numbers of each contact that slides, but not under a cam, by OTHERS: means over the motion, the least
+    film ratio under load, and the volume (m3) worn off each body at the coefficient (m2/N). Friction that
+    another part has is nan."""
+    system, found = motion.system, dict[str, dict[str, float]]()
+    rubbing = {loss.part for loss in list_losses(system) if loss.figure == POWER}
+    for name in list_parts(system, Contact):
+        contact = Part(motion, name)
+        sliding, load = np.abs(contact["sliding_velocity"]), contact["load"]
+        if name in find_sliding(system) or not np.any(load * sliding):
+            continue
+        power = contact.mean(contact["friction_force"] * contact["sliding_velocity"])
+        power = power if name in rubbing else math.nan
+        worn = contact.integrate(contact["asperity_load"] * sliding, motion.times)
+        numbers = (
+            *(power, power / contact.mean(load * sliding)),
+            contact.mean(contact["asperity_load"]) / contact.mean(load),
+            float(np.min(contact["film_ratio"], where=load > 0.0, initial=np.inf)),
+            coefficient * worn,
+        )
+        found[name] = dict(zip(OTHERS, numbers, strict=True))
+    return found
 
 
 def _load_scenario(folder: Path) -> Scenario:

@@ -1,7 +1,7 @@
 """Friction and wear of contacts as a table to read, what to beware of, and as netCDF or CSV."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +19,14 @@ from ...scenario.display import format_number, show
 from ...store.csv_file import write_sheet
 from .cycle import SUMMARY, TURN, Cycle, Wear, summarise
 
+# Numbers of contacts that slide elsewhere than under a cam, with the heads of their columns.
+OTHERS = {
+    "mean_power": "friction\n(W)",
+    "coefficient": "coefficient\nof friction",
+    "asperity_share": "asperities'\nload (%)",
+    "least_film_ratio": "least film\nratio",
+    "volume": "worn off after all\nrevolutions (mm³)",
+}
 # Of the cam's lift: a profile that has lost more is no longer the one that was computed.
 WORN = 0.01
 # Contacts side by side in one table.
@@ -87,6 +95,19 @@ def tables(found: Sequence[Judged]) -> Iterator[Table]:
         for rows in zip(*map(_list_rows, some), strict=True):
             table.add_row(*rows[0], *(number for _, _, number in rows[1:]))
         yield table
+
+
+def tabulate_others(found: Mapping[str, Mapping[str, float]], cycles: float) -> Table:
+    """Contacts that slide elsewhere than under a cam; the volume worn off in so many revolutions."""
+    note = "without depths of wear: the paths of these contacts on their bodies are not known"
+    table = make_table(
+        "Contacts that slide elsewhere than under a cam", ["contact"], list(OTHERS.values()), note
+    )
+    factors = dict.fromkeys(OTHERS, 1.0) | {"asperity_share": 100.0, "volume": 1e9 * cycles}
+    for name, numbers in found.items():
+        scaled = (factors[key] * number for key, number in numbers.items())
+        table.add_row(name, *("" if math.isnan(one) else format_number(one, 3) for one in scaled))
+    return table
 
 
 def remarks(found: Judged) -> Iterator[Words]:

@@ -109,6 +109,8 @@ def remark(history: History, interval: Interval, tolerance: float) -> Iterator[W
             "back into the motion only with ",
             Option("wear_follower", True),
         )
+    if train.others:
+        yield f"without wear in {', '.join(train.others)}: `friction` of a run has the volume worn off there"
     if any(age.rubbed.numbers["lost"] > 0.0 for age in history.ages):
         yield "contact is lost; the wear is that of sliding, without that of landing"
     if (change := max(age.rubbed.numbers["change"] for age in history.ages)) > STEADY:

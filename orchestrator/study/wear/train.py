@@ -20,7 +20,7 @@ from ...assessment.friction.cycle import TURN, last_revolution
 from ...assessment.friction.cycle import Cycle as Revolution
 from ...assessment.friction.judge import find_sliding, list_columns
 from ...assessment.motion import Part
-from ...assessment.trains import parameter_of
+from ...assessment.trains import find_train, parameter_of
 from ...errors import MistakeError, Option, one_of
 from ...scenario import Scenario, build_scenario
 from ...scenario.cams import read_cam
@@ -71,6 +71,12 @@ class WearingTrain:
     period: float
     limit: float
     follower_wears: bool
+
+    @property
+    def others(self) -> list[str]:
+        """The other contacts of its valve train."""
+        found = find_train(self.system, self.contact)
+        return [name for name in found.contacts if name != self.contact] if found else []
 
     @property
     def worn(self) -> str:
