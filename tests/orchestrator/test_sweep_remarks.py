@@ -40,3 +40,6 @@ def test_a_sweep_says_where_bodies_yield():
     (said,) = list_doubts(None, None, table)
     assert "cam is above the elastic limit at 2 speeds from 2000 to 3000 r/min, 4200 MPa at 3000" in said
     assert not list_doubts(None, None, table.isel(speed=[0]))
+    table["cam.stress_ratio"][:] = [1.5, 0.9, 2.1]
+    (said,) = list_doubts(None, None, table)
+    assert "at 2 of 3 speeds from 1000 to 3000 r/min, 4200 MPa" in said

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from models.contact.films import GROWING
 from models.core.system import System
@@ -28,6 +29,11 @@ def list_doubts(subject: SpeedSubject, system: System, table: xarray.Dataset) ->
     ]  # fmt: skip
 
 
+def _list_where(table: xarray.Dataset, holds: NDArray[np.bool_]) -> str:
+    """The speeds at which this holds."""
+    return list_speeds(table["speed"].values[holds], table["speed"].values)
+
+
 def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
     """A sentence on the speeds at which no cycle was found: their worst, and what its numbers are."""
     unsteady = table.sel(speed=find_unsteady(table))
@@ -35,7 +41,7 @@ def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
         return
     worst = unsteady.isel(speed=int(np.argmax(unsteady["change"].values)))
     yield (
-        f"no steady cycle at {list_speeds(unsteady['speed'].values)}; the worst at "
+        f"no steady cycle at {list_speeds(unsteady['speed'].values, table['speed'].values)}; the worst at "
         f"{float(worst['speed']) * RPM:.0f} r/min, where a period still changes the motion by "
         f"{100.0 * float(worst['change']):.2g} % after {tally(int(worst['periods']), 'period')} "
         f"(steady: {100.0 * STEADY:g} %). Such a motion may be subharmonic or chaotic; its numbers are "
@@ -51,7 +57,7 @@ def describe_clash(table: xarray.Dataset) -> Iterator[str]:
             continue
         worst = int(np.nanargmin(gaps))
         yield (
-            f"coils of {name.rpartition('.')[0]} clash at {list_speeds(table['speed'].values[touching])}, "
+            f"coils of {name.rpartition('.')[0]} clash at {_list_where(table, touching)}, "
             f"the tightest {-1e3 * gaps[worst]:.3g} mm of travel beyond coil bind at "
             f"{float(table['speed'][worst]) * RPM:.0f} r/min; a spring with more travel avoids it"
         )
@@ -67,7 +73,7 @@ def describe_yielding(table: xarray.Dataset) -> Iterator[str]:
         pressure = 1e-6 * float(table[f"{contact}.peak_pressure"][worst])
         yield (
             f"the pressure in {contact} is above the elastic limit at "
-            f"{list_speeds(table['speed'].values[yields])}, {pressure:.4g} MPa at "
+            f"{_list_where(table, yields)}, {pressure:.4g} MPa at "
             f"{float(table['speed'][worst]) * RPM:.0f} r/min: the bodies yield, which is not computed"
         )
 
@@ -82,7 +88,7 @@ def describe_feeding(subject: SpeedSubject, table: xarray.Dataset) -> Iterator[s
             continue
         power = float(np.max(table[f"{contact}.film_power"].values[fed]))
         yield (
-            f"{contact}: at {list_speeds(table['speed'].values[fed])} its film formula gives up to "
+            f"{contact}: at {_list_where(table, fed)} its film formula gives up to "
             f"{power:.3g} W to the motion, which no shaft supplies: it feeds vibrations, so that loads, "
             "bounces and separations come out too large; compare with "
             f"components.{contact}.parameters.film_model = 'dowson_toyoda'"

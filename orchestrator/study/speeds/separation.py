@@ -68,7 +68,7 @@ def find_separation(subject: SpeedSubject, table: xarray.Dataset, reporter: Repo
     except ModelError as error:
         return Separation(None, None, f"the speed of separation was not found: {error}")
     again = speeds[int(np.argmax(lost)) :][~lost[int(np.argmax(lost)) :]]
-    kept = f", and kept again at {list_speeds(again)}" if again.size else ""
+    kept = f", and kept again at {list_speeds(again, speeds)}" if again.size else ""
     text = f"contact is lost from {speed:.1f} r/min{place}{kept}{_describe_place(table, speed, nose)}"
     return Separation(round(speed, 2), nose and round(nose, 2), text + _doubt(unsteady))
 
@@ -98,10 +98,12 @@ def name_lost(at: xarray.Dataset) -> str:
     return f" in {', '.join(names)}" if names and len(shares) > 1 else ""
 
 
-def list_speeds(speeds: Vector) -> str:
-    """One speed, or the first and the last of several."""
+def list_speeds(speeds: Vector, every: Vector | None = None) -> str:
+    """One speed, or the first and the last of several, and how many of `every` one between them."""
     first, last = f"{speeds[0] * RPM:.0f}", f"{speeds[-1] * RPM:.0f}"
-    return f"{first} r/min" if first == last else f"{len(speeds)} speeds from {first} to {last} r/min"
+    within = 0 if every is None else np.count_nonzero((every >= speeds[0]) & (every <= speeds[-1]))
+    count = f"{len(speeds)} of {within}" if within > len(speeds) else f"{len(speeds)}"
+    return f"{first} r/min" if first == last else f"{count} speeds from {first} to {last} r/min"
 
 
 def bisect_separation(

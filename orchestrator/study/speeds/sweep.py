@@ -221,7 +221,8 @@ def report_cycles(reporter: Reporter, table: xarray.Dataset) -> None:
         if place := name_lost(table.isel(speed=i)):
             places.setdefault(place, []).append(speed)
     for place, speeds in places.items():
-        reporter.line(f"contact is lost{place} at {list_speeds(np.array(speeds))}")
+        found = list_speeds(np.array(speeds), table["speed"].values)
+        reporter.line(f"contact is lost{place} at {found}")
 
 
 def _tabulate(table: xarray.Dataset, columns: Sequence[tuple[str, str, float]], title: str) -> Table:

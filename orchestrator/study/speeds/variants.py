@@ -213,13 +213,16 @@ def _name(attributes: Mapping[Any, Any], figure: str) -> str:
     return EXPLAINED.split(str(attributes.get("long_name", figure.replace("_", " "))))[0]
 
 
-def _find_lost_from(one: Swept) -> tuple[str, str]:
-    """The speed (r/min) of separation, "" for none, and as it is printed: where it was not looked for, the
-    lowest one that was computed without contact is a bound."""
+def _find_lost_from(one: Swept) -> str:
+    """The speed (r/min) of separation; where it was not looked for, the computed speeds on both sides of it;
+    empty where contact is kept."""
     if speed := (one.summary.get("separation") or {}).get("speed"):
-        return f"{speed:.0f}", f"{speed:.0f}"
-    lost = RPM * one.table["speed"].values[find_lost(one.table)]
-    return (f"{lost[0]:.0f}", f"≤ {lost[0]:.0f}") if lost.size else ("", "–")
+        return f"{speed:.0f}"
+    lost = find_lost(one.table)
+    if not lost.any():
+        return ""
+    first, speeds = int(np.argmax(lost)), [f"{RPM * speed:.0f}" for speed in one.table["speed"].values]
+    return f"{speeds[first - 1]} to {speeds[first]}" if first else f"≤ {speeds[0]}"
 
 
 def _list_varied(variants: Sequence[Variant]) -> Iterator[list[str]]:
@@ -250,7 +253,7 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
             "worst", *heads, title=f"Worst of each design {where}; at ° of the cam", title_justify="left"
         )
         shown.add_row("judged, r/min", *(" to ".join(ends) if ends[0] else "–" for ends in ranges[several]))
-        shown.add_row("contact lost from, r/min", *(text for _, text in lost[several]))
+        shown.add_row("contact lost from, r/min", *(text or "–" for text in lost[several]))
         if any(unsteady):
             shown.add_row("speeds without a steady cycle", *(str(len(one)) for one in unsteady[several]))
         for column in choose_shown(columns):
@@ -264,7 +267,7 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
             [f"judged {end} [r/min]", *row]
             for end, row in zip(("from", "to"), zip(*ranges, strict=True), strict=True)
         ),
-        ["contact lost from [r/min]", *(number for number, _ in lost)],
+        ["contact lost from [r/min]", *lost],
         ["no steady cycle at [r/min]", *(" ".join(f"{RPM * v:.0f}" for v in one) for one in unsteady)],
         *(row for column in columns for row in column.write()),
     ]
