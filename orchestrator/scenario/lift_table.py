@@ -36,9 +36,9 @@ if TYPE_CHECKING:
 OFF = 0.02
 # Lifts up to this part of the largest are on the base circle.
 ROUND = 1e-3
-# Cams of valve trains lift over 100 to 150 deg, with long ramps over 170. From here on (rad) the angles may
-# be those of the crank.
-LONGEST_EVENT = math.radians(180.0)
+# Cams of valve trains lift over 100 to 150 deg without ramps, and over 75 to 115 deg above a tenth of their
+# lift, where ramps are over. From here on (rad) the angles may be those of the crank.
+LONGEST_LOBE = math.radians(140.0)
 # A base circle's radius is more than this part of the nose's; a table of lifts goes down to its base circle.
 RADII = 0.5
 # An acceleration that may be off by more than this part of its largest value is doubted.
@@ -146,7 +146,7 @@ class LiftTable:
     def list_doubts(self, smoothed: SmoothedLift, ramp_height: float = 0.0) -> list[str]:
         """What may be wrong with the table, to which ramps of this height (m) are added."""
         shape = _doubt_zero(smoothed)
-        shape = shape or ("" if self.named else _doubt_event(*smoothed.event)) or _doubt_runout(smoothed)
+        shape = shape or ("" if self.named else _doubt_event(smoothed)) or _doubt_runout(smoothed)
         ramps = _doubt_ramps(smoothed.ramp, ramp_height)
         return [doubt for doubt in (shape, ramps, self._doubt_accuracy(smoothed)) if doubt]
 
@@ -202,13 +202,13 @@ def _doubt_ramps(own: float, added: float) -> str:
     )
 
 
-def _doubt_event(begin: float, end: float) -> str:
-    if end - begin <= LONGEST_EVENT:
+def _doubt_event(smoothed: SmoothedLift) -> str:
+    if smoothed.lobe <= LONGEST_LOBE:
         return ""
-    turned = math.degrees(end - begin)
+    event, lobe = math.degrees(smoothed.event[1] - smoothed.event[0]), math.degrees(smoothed.lobe)
     return (
-        f"the cam lifts over {turned:.4g} deg, as cam angles: if they are the crank's, name them 'crank "
-        "angle [deg]' in the table, else 'cam angle [deg]'"
+        f"the cam lifts over {event:.4g} deg, over {lobe:.4g} deg above a tenth of its lift, as cam angles: "
+        "if they are the crank's, name them 'crank angle [deg]' in the table, else 'cam angle [deg]'"
     )
 
 

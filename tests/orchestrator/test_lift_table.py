@@ -305,6 +305,16 @@ def test_what_a_table_leaves_open_is_said(tmp_path):
     assert "gon" in read(tmp_path, "angle [grad], lift [mm]").notes[0]
 
 
+@pytest.mark.parametrize(("event", "ramps", "doubted"), [(150.0, 0.0, 0), (132.0, 25.0, 0), (200.0, 0.0, 1)])
+def test_long_ramps_are_no_angles_of_the_crank(tmp_path, event, ramps, doubted):
+    """An event of 150 deg of the cam is the longest that is usual, one of 200 deg of the crank the shortest.
+    With ramps of 0.25 mm one of 132 deg lifts over 182 deg."""
+    angles = np.arange(-180.0, 180.0)
+    slow = np.clip(1.0 + (0.5 * event - np.abs(angles)) / ramps, 0.0, 1.0) if ramps else 0.0
+    lifts = lobe(2.0 * RISE / event * angles) + 0.25 * slow
+    assert ("crank" in list_doubts(tmp_path, angles=angles, lifts=lifts)) == doubted
+
+
 @pytest.mark.parametrize("phase", [0.0, 90.0, 200.0])
 def test_runout_of_the_base_circle_is_no_lift(tmp_path, phase):
     """15 um of eccentricity: the event is that of the lobe, within the height from which it counts."""

@@ -26,6 +26,8 @@ MOST_KNOTS = 720
 LEAST_SAMPLES = 12
 # Lifts above this part of the largest belong to the event.
 EVENT = 1e-3
+# Above this part of the largest lift there is no ramp; a turn is sampled so often to measure what is there.
+LOBE, TURNED = 0.1, 3600
 # A base circle is off by less than this part of the largest lift; more is lift.
 RUNOUT = 0.02
 # A sample is doubtful that deviates from the spline of the others more than this many times the median.
@@ -82,6 +84,14 @@ class SmoothedLift:
         before = int(np.argmax(np.diff(lifted, append=lifted[0] + TURN)))
         begin, end = float(lifted[(before + 1) % lifted.size]), float(lifted[before])
         return begin, end if end >= begin else end + TURN
+
+    @property
+    def lobe(self) -> float:
+        """Cam angle (rad) over which the lift is above LOBE of the largest."""
+        angle = np.append(self.points.angle, self.points.angle[0] + TURN)
+        lift = np.append(self.points.lift, self.points.lift[0])
+        turn = np.linspace(angle[0], angle[-1], TURNED, endpoint=False)
+        return TURN * float(np.mean(np.interp(turn, angle, lift) > LOBE * lift.max()))
 
     @property
     def ramp(self) -> float:
