@@ -9,13 +9,14 @@ from models.core import roles
 from models.core.system import suggestion
 from models.valve_train.cams.rises import RISES
 
+from ..assessment.trains import find_train
 from ..errors import Command, MistakeError, Option, one_of
 from ..scenario import Scenario
 from ..scenario.cam_files import is_contour
 from ..scenario.cams import name_follower
 from ..scenario.component_table import ComponentTable
 from ..scenario.files import find, list_shipped, load, read_contents
-from ..scenario.system import list_parameters
+from ..scenario.system import build_system, list_parameters
 from ..scenario.values import to_value
 from ..texts import to_path
 from ._cam_profile import FIELDS, list_lift_parameters, read_base_radius
@@ -30,7 +31,7 @@ def find_settings(source: str, component: str | None = None) -> dict[str, Any]:
     MistakeError if it is none of them.
     """
     kind = Path(source).suffix
-    if source in list_shipped() or kind in (".toml", ".ssp"):
+    if _is_scenario(source):
         return _read_scenario(source, component)
     if component is not None:
         raise MistakeError((Option("component", component), f": {source} is no scenario"), "leave it out")
@@ -61,7 +62,7 @@ def find_spring_settings(
     names = {text.partition("=")[0].strip() for text in given}
     if source is None:
         return {}
-    scenario = source in list_shipped() or Path(source).suffix in (".toml", ".ssp")
+    scenario = _is_scenario(source)
     wires = _read_wires(source) if scenario else {}
     if scenario and not wires and "diameter" not in names:
         raise MistakeError(
@@ -73,7 +74,8 @@ def find_spring_settings(
     wire = wires[_choose(source, component, wires, "springs")] if wires else {}
     left = LENGTHS if names & LENGTHS else set()
     kept = {key: _write(value) for key, value in wire.items() if key not in left}
-    return kept | find_lift_settings(source, cam)
+    ratio = {key: value for key, value in find_valve_settings(source, cam).items() if key != "lash"}
+    return kept | find_lift_settings(source, cam) | ratio
 
 
 def find_lift_settings(source: str, component: str | None = None) -> dict[str, Any]:
@@ -85,6 +87,23 @@ def find_lift_settings(source: str, component: str | None = None) -> dict[str, A
             ("take the lift table that ", Command("cam", (source,)), " writes"),
         )
     return {key: value for key, value in found.items() if key in list_lift_parameters()}
+
+
+def find_valve_settings(source: str, component: str | None = None) -> dict[str, Any]:
+    """Lash and ratio at the valve that a scenario's cam lifts, as the analysis `clearance` has them; none of
+    a cam alone. The ratio is that at the largest lift; of several valves the lash is the least."""
+    if not _is_scenario(source):
+        return {}
+    scenario = load(source)
+    name, _ = _find_cam(source, scenario, component)
+    train = find_train(build_system(scenario), name)
+    return (
+        {"lash": min(train.list_of_valves("lash"), default=0.0), "valve_ratio": train.ratio} if train else {}
+    )
+
+
+def _is_scenario(source: str) -> bool:
+    return source in list_shipped() or Path(source).suffix in (".toml", ".ssp")
 
 
 def _choose(source: str, component: str | None, known: Mapping[str, Any], kind: str) -> str:
@@ -113,13 +132,19 @@ def _read_wires(source: str) -> dict[str, dict[str, Any]]:
     return {name: table["wire"] for name, table in components.items() if "wire" in table}
 
 
-def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
-    scenario = load(source)
-    cams = {name: table for name, table in scenario.components.items() if _list_values(table)}
+def _find_cam(source: str, scenario: Scenario, component: str | None) -> tuple[str, dict[str, Any]]:
+    """The component with the cam, and its values."""
+    every = {name: _list_values(table) for name, table in scenario.components.items()}
+    cams = {name: values for name, values in every.items() if values}
     if not cams:
         raise MistakeError(f"{source}: no component has a cam; give a lift table, or another scenario")
     name = _choose(source, component, cams, "cams")
-    values = _list_values(cams[name])
+    return name, cams[name]
+
+
+def _read_scenario(source: str, component: str | None) -> dict[str, Any]:
+    scenario = load(source)
+    name, values = _find_cam(source, scenario, component)
     follower = name_follower(values)
     wanted = {*list_lift_parameters(), *FIELDS[follower]}
     found = {key: value for key, value in values.items() if key in wanted} | {"follower": follower}

@@ -29,6 +29,8 @@ CRANKS = ENDS[-3:]
 LIFTED = 0.1
 # Of a revolution: a run that lacks no more than this is one; what is missing is some of the base circle.
 OPEN = 0.01
+# Until the lift of a rocker's valve is found to rounding: each takes a digit or more.
+ITERATIONS = 20
 WORDS = {"cam_angle": "Cam angle", "crank_angle": "Crank angle", "shaft_angle": "Shaft angle"}
 
 
@@ -99,9 +101,17 @@ class Train:
         return max((_find_rod_position(rocker, lash) for rocker in rockers), default=lash)
 
     @cached_property
+    def ratio(self) -> float:
+        """The largest lift of the valve, before its lash, over that of the cam."""
+        largest = tip = self.largest_lift
+        for _ in range(ITERATIONS if largest else 0):
+            tip *= largest / self.find_cam_lash(tip)
+        return tip / largest if largest else 1.0
+
+    @cached_property
     def lash(self) -> float:
         """The largest of its valves, as the cam has it (m)."""
-        return self.find_cam_lash(max(self._list_of_valves("lash")))
+        return self.find_cam_lash(max(self.list_of_valves("lash"), default=0.0))
 
     @property
     def lobe(self) -> float:
@@ -117,14 +127,14 @@ class Train:
 
     @property
     def contact_law(self) -> ContactLaw:
-        rests = any(self._list_of_valves("seat_stiffness")) and not self.list_parts(roles.Adjuster)
+        rests = any(self.list_of_valves("seat_stiffness")) and not self.list_parts(roles.Adjuster)
         return ContactLaw(self.lash, self.lobe) if rests else ContactLaw()
 
-    def _list_of_valves(self, parameter: str) -> list[float]:
-        """Of those that have it, after a zero."""
+    def list_of_valves(self, parameter: str) -> list[float]:
+        """Of those that have it."""
         valves = [self.system.instances[name] for name in self.list_parts(roles.Valve)]
         having = [valve for valve in valves if parameter in valve.component.parameters.names]
-        return [0.0, *(parameter_of(valve, parameter) for valve in having)]
+        return [parameter_of(valve, parameter) for valve in having]
 
 
 @lru_cache(maxsize=8)  # figures ask for each panel

@@ -13,7 +13,12 @@ from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from orchestrator.analyses import load
 from orchestrator.analyses._cam_profile import build_profile
-from orchestrator.analyses._cam_source import find_lift_settings, find_settings, find_spring_settings
+from orchestrator.analyses._cam_source import (
+    find_lift_settings,
+    find_settings,
+    find_spring_settings,
+    find_valve_settings,
+)
 from orchestrator.analyses._cam_timing import find_timing
 from orchestrator.analyses._evaluate import compute_table
 from orchestrator.analyses.cam import ANALYSIS
@@ -22,10 +27,13 @@ from orchestrator.analyses.spring import ANALYSIS as SPRING
 from orchestrator.analyses.spring import find_orders, write_orders
 from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.motion import Motion
+from orchestrator.assessment.trains import find_train
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.angle_table import AngleTableError
 from orchestrator.scenario.cam_files import is_contour
+from orchestrator.scenario.files import load as load_scenario
 from orchestrator.scenario.lift_table import read_lift_table
+from orchestrator.scenario.system import build_system
 
 from .commands import called
 
@@ -188,9 +196,22 @@ def test_an_advanced_intake_and_a_retarded_exhaust_come_closer():
     assert intake["least_over_phases"].item() == pytest.approx(advanced["least_clearance"].item())
 
 
+def test_a_scenario_gives_its_lash_and_the_ratio_of_its_rocker():
+    """Arms of 32 mm and 40 mm turn by the same angle; a finger's lift is its valve's. A cam has neither."""
+    finger = find_valve_settings("finger-follower")
+    assert finger == pytest.approx({"lash": 0.1e-3, "valve_ratio": 1.0})
+    rocker = find_valve_settings("pushrod-train")
+    train = find_train(build_system(load_scenario("pushrod-train")), "tappet")
+    assert train.find_cam_lash(rocker["valve_ratio"] * train.largest_lift) == pytest.approx(
+        train.largest_lift
+    )
+    assert rocker["valve_ratio"] == pytest.approx(1.25, rel=0.02)
+    assert find_valve_settings("cycloidal") == {}
+
+
 def test_the_command_says_where_a_shipped_cam_comes_closest(tmp_path: Path):
     sets = ("--set", "advance=80 deg", "--set", "pocket_depth=0 mm")
-    done = called("clearance", "coil-clash", "--json", *sets, "--out", str(tmp_path))
+    done = called("clearance", "finger-follower", "--json", *sets, "--out", str(tmp_path))
     found = json.loads(done.stdout)
     assert "the valve meets the piston: least clearance -" in done.stderr
     assert done.returncode == 0

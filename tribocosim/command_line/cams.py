@@ -65,10 +65,11 @@ def print_clearance(
     as_json: Json = False,
 ) -> None:
     """Compute the clearance between valve and piston over the crank angle, with the phases of a phaser."""
-    from orchestrator.analyses._cam_source import find_lift_settings
+    from orchestrator.analyses._cam_source import find_lift_settings, find_valve_settings
     from orchestrator.analyses._evaluate import analyse
 
-    settings = [f"{name}={value}" for name, value in find_lift_settings(source, component).items()]
+    found = find_lift_settings(source, component) | find_valve_settings(source, component)
+    settings = [f"{name}={value}" for name, value in found.items()]
     reporter = build_reporter(as_json)
     folder = out or Path("results") / f"{Path(source).stem}-clearance"
     result = analyse("clearance", [*settings, *(set_ or [])], folder, overwrite, reporter)
