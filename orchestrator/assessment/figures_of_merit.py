@@ -185,18 +185,18 @@ def _friction_torque(part: Part) -> Found:
 
 
 def _landing_lift(valve: Part) -> Found:
-    """Lift of the cam as the valve lands: a measure of the ramp that is left."""
+    """Lift of the cam as the valve lands: a measure of the ramp that is left. None of a valve that has left
+    its cam, so that it lands when the cam has passed the lash."""
     landing = _find_hardest(valve)
-    return NONE if landing is None or valve.cam_lift is None else Found.at(valve.cam_lift, landing)
+    if landing is None or valve.train is None or valve.cam_lift is None:
+        return NONE
+    lift = Found.at(valve.cam_lift, landing)
+    return lift if lift.value > valve.train.lash else NONE
 
 
 def _ramp_left(valve: Part) -> Found:
     """Lift of the cam over the height of its ramp, as the valve lands: above 1 the ramp has not begun."""
-    if valve.train is None:
-        return NONE
-    cam = Part(valve.motion, valve.train.cam)
-    height = cam.parameter("ramp_height") if "ramp_height" in cam.component.parameters.names else 0.0
-    lift = _landing_lift(valve)
+    height, lift = valve.train.closing_ramp if valve.train else 0.0, _landing_lift(valve)
     return Found(lift.value / height, lift.row) if height > 0.0 else NONE
 
 

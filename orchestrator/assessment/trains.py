@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from models.core import roles
 from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
+from models.valve_train.cams.table import Points
 
 from ..errors import MistakeError
 from ..store.coordinates import Coordinate
@@ -124,6 +125,20 @@ class Train:
         own = [n for n in cam.component.parameters.names if n == "lift" or n.startswith("table_lift[")]
         height = parameter_of(cam, "ramp_height") if own else 0.0
         return height + max((parameter_of(cam, name) for name in own), default=0.0)
+
+    @cached_property
+    def closing_ramp(self) -> float:
+        """Height of its own cam's closing ramp (m), as given, or as its points have it; 0: none."""
+        cam = self.system.instances[self.cam]
+        names = cam.component.parameters.names
+        if height := parameter_of(cam, "ramp_height") if "ramp_height" in names else 0.0:
+            return height
+        if "table_angle[1]" not in names:
+            return 0.0
+        from models.valve_train.cams.smoothing import find_ramp  # its libraries take long to import
+
+        p = cam.component.parameters.view(cam.component.parameters.vector(cam.parameters))
+        return find_ramp(Points(p.table_angle, p.table_lift, p.table_slope, p.table_curvature), [-1])
 
     @property
     def contact_law(self) -> ContactLaw:

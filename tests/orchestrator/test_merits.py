@@ -65,6 +65,35 @@ def read_columns(**changed: Vector) -> Callable[[str], Vector]:
     return lambda name: columns.get(name, 0.0 * ANGLE)
 
 
+def measure_valve(settings: list[str], lift: Vector) -> dict[str, float]:
+    """Figures of a direct train's valve that lands where the cam's lift is this."""
+    system = build_system(load("seat-and-lash", settings))
+    columns = {"camshaft.cam_lift": lift, "valve_spring.seat_dip": np.where(LIFT > 1e-9, -LIFT, 1e-6)}
+    columns["camshaft.cam_angle"] = columns["camshaft.profile_angle"] = ANGLE
+    motion = Motion(system, 0.01 * ANGLE, lambda name: columns.get(name, 0.0 * ANGLE), None)
+    return {name: found.value for part, name, _, found in measure(motion) if part == "valve_spring"}
+
+
+def test_a_valve_that_lands_after_the_lash_has_no_ramp_left(tmp_path):
+    """0.3 mm of ramp by a law, and 0.25 mm at 0.01 mm/deg in a table, of which 0.22 mm are straight; 0.1 mm
+    of lash. A valve in flight lands when the cam has passed it."""
+    degrees = np.arange(0.0, 360.0)
+    ramp = 0.25 * np.clip((91.0 - np.abs(degrees - 180.0)) / 25.0, 0.0, 1.0)
+    event = 8.75 * np.cos(0.5 * np.pi * np.clip(np.abs(degrees - 180.0) / 66.0, 0.0, 1.0)) ** 3
+    rows = "".join(f"{a:g}, {s:.4f}\n" for a, s in zip(degrees, ramp + event, strict=True))
+    (tmp_path / "cam.csv").write_text("cam angle [deg], lift [mm]\n" + rows)
+    table = [f"components.camshaft.lift_table={tmp_path / 'cam.csv'}"]
+    table.append("components.camshaft.parameters.base_radius=60 mm")
+    lash = ["components.valve_spring.parameters.lash=0.1 mm"]
+    for settings, height, near in (([], 0.3e-3, 1e-9), (table, 0.22e-3, 0.01)):
+        found = measure_valve([*settings, *lash], LIFT + 0.15e-3)
+        assert found["landing_lift"] == pytest.approx(0.15e-3, rel=0.08)  # a row is 10 um further
+        assert found["ramp_left"] == pytest.approx(found["landing_lift"] / height, rel=near)
+        flown = measure_valve([*settings, *lash], LIFT + 0.05e-3)
+        assert math.isnan(flown["landing_lift"])
+        assert math.isnan(flown["ramp_left"])
+
+
 def told(**changed: Vector) -> str:
     """The line of the train."""
     read = read_columns(**changed)

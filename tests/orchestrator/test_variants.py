@@ -28,6 +28,7 @@ from orchestrator.study.speeds.sweep import Swept, select_columns
 from orchestrator.study.speeds.variants import (
     Variant,
     choose_speeds,
+    describe_landing,
     list_variants,
     sweep_variants,
     tabulate,
@@ -140,6 +141,26 @@ def test_a_separation_that_was_not_looked_for_is_a_range(tmp_path):
     assert found == ["", "1910 to 2865", "2500"]
     (row,) = (line for line in text.getvalue().splitlines() if "contact lost from" in line)
     assert [cell.strip() for cell in row.split("│")[2:5]] == ["–", *found[1:]]
+
+
+def test_designs_that_land_on_the_ramps_are_told():
+    """At all speeds that are judged, and with the speed and number of those that do not."""
+
+    def add(**values):
+        return one._replace(
+            table=one.table.assign({f"v.{name}": ("speed", of) for name, of in values.items()})
+        )
+
+    one = make_swept(400.0, 1e9)
+    swept = {"lash=0.1": add(ramp_left=[0.5, 0.7, 1.0], least_lift=[0.0, 0.0, 0.0])}
+    swept["lash=0.3"] = add(ramp_left=[0.9, 1.2, 1.1], least_lift=[0.0, 0.0, 0.0])
+    swept["lash=0"] = add(ramp_left=[np.nan] * 3, least_lift=[0.0, 0.0, 5e-6])
+    (said,) = describe_landing(choose_speeds(swept), list(swept))
+    faults = (
+        "lash=0.3 (v lands at 1.2 of its ramp, at 1910 r/min); lash=0 (v stays open by 5 µm, at 2865 r/min)"
+    )
+    assert said == f"valves close, and land on the ramps, with lash=0.1; not with {faults}"
+    assert not list(describe_landing(choose_speeds({"lash=0": swept["lash=0"]}), ["lash=0"]))
 
 
 def test_every_design_has_its_whole_name_in_a_narrow_table(tmp_path):

@@ -8,6 +8,7 @@ penalty makes s'' continuous to its own second derivative.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -99,10 +100,11 @@ class SmoothedLift:
         return find_ramp(self.points)
 
 
-def find_ramp(points: Points) -> float:
-    """Lift (m) up to which points have a ramp, the higher one of both sides; 0: none."""
+def find_ramp(points: Points, sides: Sequence[int] = (1, -1)) -> float:
+    """Lift (m) up to which points have a ramp, the higher one of both sides; 0: none. The opening side is 1,
+    the closing side -1."""
     height, opposite = 0.0, int(np.argmax(points.lift)) - points.lift.size // 2
-    for side in (1, -1):
+    for side in sides:
         columns = (points.lift, side * points.slope, points.curvature)
         lift, slope, curvature = (np.roll(column, -opposite)[::side] for column in columns)
         before = slice(0, int(np.argmax(slope)))

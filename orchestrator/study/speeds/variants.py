@@ -33,8 +33,8 @@ RPM = 30.0 / math.pi
 CHOSEN_BY = (
     "least_load", "largest_load", "peak_pressure", "nose_pressure", "least_film", "least_film_ratio",
     "nose_film_ratio", "largest_lift", "lift_area", "spring_margin", "seating_velocity", "bounce",
-    "landing_lift", "least_gap", "least_clearance", "chamber_pressure", "lift_loss", "held_open",
-    "largest_torque", "mean_torque", "friction_power",
+    "landing_lift", "ramp_left", "least_lift", "least_gap", "least_clearance", "chamber_pressure",
+    "lift_loss", "held_open", "largest_torque", "mean_torque", "friction_power",
 )  # fmt: skip
 # Of more parts with a figure the printed table has the one where it is worst.
 FEW = 2
@@ -225,6 +225,35 @@ def _find_lost_from(one: Swept) -> str:
     return f"{speeds[first - 1]} to {speeds[first]}" if first else f"≤ {speeds[0]}"
 
 
+def describe_landing(judged: Judged, labels: Sequence[str]) -> Iterator[str]:
+    """Which designs close their valves and land on the closing ramps at all their judged speeds, and why the
+    others do not; nothing of cams without ramps."""
+    every = dict.fromkeys(str(name) for table in judged.tables for name in table.data_vars)
+    ramps = list_parts_with("ramp_left", every)
+    if not any(find_worst(table, name, 1.0) for table in judged.tables for name in ramps):
+        return
+    names = [*ramps, *list_parts_with("least_lift", every)]
+    faults = {
+        label: [said for name in names if (said := _find_fault(table, name))]
+        for label, table in zip(labels, judged.tables, strict=True)
+        if table.sizes["speed"]
+    }
+    kept = [label for label, found in faults.items() if not found] or ["none of these"]
+    others = [f"{label} ({', '.join(found)})" for label, found in faults.items() if found]
+    rest = f"; not with {'; '.join(others)}" if others else ""
+    yield f"valves close, and land on the ramps, with {'; '.join(kept)}{rest}"
+
+
+def _find_fault(table: xarray.Dataset, name: str) -> str:
+    """What the worst `ramp_left` or `least_lift` of a valve says against a design."""
+    (valve, _, figure), worst = name.rpartition("."), find_worst(table, name, 1.0)
+    if worst and figure == "ramp_left" and worst.value > 1.0:
+        return f"{valve} lands at {worst.value:.3g} of its ramp, at {worst.speed_rpm:.0f} r/min"
+    if worst and figure == "least_lift" and worst.value > 0.0:
+        return f"{valve} stays open by {1e6 * worst.value:.3g} µm, at {worst.speed_rpm:.0f} r/min"
+    return ""
+
+
 def _list_varied(variants: Sequence[Variant]) -> Iterator[list[str]]:
     """Head and values of each setting that has several; numbers of one unit have it in the head."""
     for pairs in zip(*(variant.varied for variant in variants), strict=True):
@@ -259,6 +288,8 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
         for column in choose_shown(columns):
             shown.add_row(column.title, *(w.describe(False) if w else "–" for w in column.worst[several]))
         reporter.console.print(shown)
+    for line in describe_landing(judged, list(swept)):
+        reporter.line(line)
     rows = [
         ["design", *swept],
         *_list_varied(variants),
