@@ -27,6 +27,8 @@ LATELY, FADES = 10, 0.999
 # A value that was at rest, up to this share of its nominal size, lands where it leaves its rest by more than
 # that share.
 REST, LANDING = 1e-12, 1e-2
+# Landings in a row, each by so many times the largest value before it, that are an instability.
+GROWING, GROWTH = 3, 2.5
 
 
 class RunawayGuard:
@@ -38,9 +40,10 @@ class RunawayGuard:
 
     A contact that closes at high speed does that too. A separation begins with a load that falls smoothly to
     zero, and the values swing only after the landing. An unstable coupling swings while the contact is
-    still closed, or goes on swinging. So a suspect coupling is unstable where values swing from step to step
-    without a landing in the last WINDOW steps, or in most of the steps after one, and where what it misses
-    does not die out.
+    still closed, or goes on swinging, or throws the contact open and lands harder each time. So a suspect
+    coupling is unstable where values swing from step to step without a landing in the last WINDOW steps, or
+    in most of the steps after one, or grow from landing to landing, and where what it misses does not die
+    out.
 
     With any master a value of BOUND nominal sizes is a runaway.
     """
@@ -62,6 +65,8 @@ class RunawayGuard:
         self._sums["lately"] = np.zeros(len(nominal))  # as `missed`, over LATELY steps
         self._sums["largest"] = np.zeros(len(nominal))  # mean of that sum
         self._sums["weight"] = np.zeros(1)  # of that sum
+        # Largest size, that up to the last landing, and landings in a row that raised it much.
+        self._sums |= {"peak": nominal.copy(), "before": nominal.copy(), "growing": np.zeros(len(nominal))}
         past = coupling.state.history
         self._memory = ArrayPointers(
             times=past.times, values=past.values, new=coupling.state.values, nominal=nominal, **self._sums
@@ -111,6 +116,7 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
     missed, sizes, landed = numbers(m.missed), numbers(m.sizes), numbers(m.landed)
     swings, unprovoked = numbers(m.swings), numbers(m.unprovoked)
     lately, largest, weight = numbers(m.lately), numbers(m.largest), numbers(m.weight)
+    peak, before, growing = numbers(m.peak), numbers(m.before), numbers(m.growing)
     keep, keep_lately = 1.0 - 1.0 / WINDOW, 1.0 - 1.0 / LATELY
     weight[0] = keep_lately * weight[0] + 1.0
     landed[0] += 1.0
@@ -118,6 +124,9 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
         resting = known > 1 and abs(values[0, i] - values[1, i]) <= REST * nominal[i]
         if resting and abs(new[i] - values[0, i]) > LANDING * nominal[i]:
             landed[0] = 0.0
+            growing[i] = growing[i] + 1.0 if peak[i] > GROWTH * before[i] else 0.0
+            before[i] = peak[i]
+        peak[i] = max(peak[i], abs(new[i]))
     worst, most, unstable = -1, share, False
     for i in range(new.shape[0]):
         v, d, _ = parabola(times[0], values[0, i], times[1], values[1, i], 0.0, 0.0, min(known, 2), times[0])
@@ -129,6 +138,7 @@ def _judge(memory: Any, known: int, time: float, bound: float, share: float) -> 
         swings[i] = keep * swings[i] + swing
         unprovoked[i] = keep * unprovoked[i] + (swing if landed[0] > WINDOW else 0.0)
         unstable |= swings[i] > LASTING or unprovoked[i] > UNPROVOKED
+        unstable |= peak[i] > GROWTH * before[i] and growing[i] + 1.0 >= GROWING
         dying = lately[i] / weight[0] < FADES * largest[i]
         largest[i] = max(lately[i] / weight[0], FADES * largest[i])
         if missed[i] > most * sizes[i] and not dying:

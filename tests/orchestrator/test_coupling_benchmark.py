@@ -221,6 +221,21 @@ def test_a_value_that_has_all_but_died_out_may_jump(rest: float) -> None:
     follow([*rest * (-1.0) ** np.arange(60), *2e4 * (1.0 + 0.9 * (-0.9) ** np.arange(20))])
 
 
+def test_landings_that_grow_are_an_instability() -> None:
+    """Of a contact that an unstable coupling throws open, for a hundred steps and more: its values swing too
+    little between landings. Bounces of bodies fall, or rise and fall."""
+
+    def land(*peaks: float) -> None:
+        follow(np.concatenate([[0.5] * 40, *([0.0] * 100 + [peak, 0.4 * peak] for peak in peaks)]).tolist())
+
+    for peaks in ((9.0, 6.0, 3.0), (2.0, 4.0, 8.0, 16.0), (3.0, 9.0, 5.0, 27.0, 81.0), (1e3, 3e3, 2e3)):
+        land(*peaks)
+    with pytest.raises(UnstableCouplingError, match=r"at t = 34\.6 s"):
+        land(3.0, 9.0, 27.0)
+    with pytest.raises(UnstableCouplingError, match="unstable coupling"):
+        land(3.0, 9.0, 5.0, 27.0, 81.0, 243.0)
+
+
 @pytest.mark.parametrize("turn", [np.pi, 2.0, 1.0])
 def test_what_grows_is_unstable_and_what_dies_out_slowly_is_not(turn: float) -> None:
     """A value of a coupling with an eigenvalue r exp(i turn), over 400 steps from 1000 nominal sizes."""
