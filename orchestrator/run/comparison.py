@@ -145,7 +145,8 @@ def _advise_on_coupling(scenario: Scenario, errors: Errors, falling: Mapping[str
     """Steps, and signals, that keep the tolerance; `falling` has the orders of errors that steps reduce."""
     limits, used = FmuLimits(scenario), scenario.build_master().degree
     useful = limits.useful_degree if limits.followed or not used else 0
-    found, order = "", 1.0 + min(used, useful)
+    # A held input gets the mean of its signal, of order 2 from degree 1 on.
+    found, order = "", 1.0 + min(used, limits.useful_degree, 1 if limits.held_inputs else used)
     shares = {
         name: errors[name].relative_rms / (errors[name].tolerance or math.inf) for name in falling or errors
     }

@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from models.core.difference import Difference
+from models.core.remedies import in_python
 from models.core.system import Port
 from orchestrator.assessment.diagnosis.facts import Facts
 from orchestrator.assessment.diagnosis.suggestions import suggest_held_inputs
@@ -15,6 +17,7 @@ from orchestrator.masters import MASTERS
 from orchestrator.participants.fmu import FmuParticipant, FmuSettings
 from orchestrator.participants.protocol import BoundVariables
 from orchestrator.participants.third_party import read_component
+from orchestrator.run.comparison import VariableError, advise
 from orchestrator.scenario.fmu_limits import FmuLimits
 from orchestrator.scenario.warnings import list_warnings
 from tests.fmus.names import mark_long
@@ -105,6 +108,16 @@ def test_signals_are_advised_for_held_inputs_by_what_they_give(tmp_path):
     assert (limits.held_inputs, limits.restorable, limits.controllable) == ([HELD], True, True)
     facts = Facts(summary.steps, None, one)  # type: ignore[arg-type]
     assert 'extrapolation = "quadratic"' in (suggest_held_inputs(facts) or "")
+
+
+@pytest.mark.parametrize("component", ["sprung_mass", None])
+@pytest.mark.parametrize(("signal", "order"), [("hold", 1), ("linear", 2), ("quadratic", 2)])
+def test_steps_are_advised_by_the_order_of_the_mean(signal, order, component, tmp_path):
+    """Of 2 after errors of 50 times what is allowed: quadratic signals have order 3 where none is held."""
+    one = masses("held_mass", tmp_path, component, master={"name": "jacobi", "extrapolation": signal})
+    errors = {"second.position": VariableError(1.0, 1.0, 5e-2, Difference(0.0, 0.0, 0.0), tolerance=1e-3)}
+    said = in_python(advise(one, errors, {}, []))
+    assert f"'macro_step': '{0.01 * 100.0 ** (-1.0 / order):g} s'" in said
 
 
 def test_a_derivative_of_a_held_input_is_named_before_the_run(tmp_path):
