@@ -29,7 +29,7 @@ class Coupling(Exchange):
     ) -> None:
         super().__init__(system, participants, degree, watched or {})
         self.without_rates: list[str] = []  # whose rates are no numbers at the start, and not used
-        self.unproven: list[str] = []  # why participants that say so cannot be restored
+        self.unproven: list[str] = []  # what participants say of themselves and does not hold
         self.instants = Instants(self, lines)
 
     def explain_python(self) -> dict[str, str]:
@@ -67,13 +67,13 @@ class Coupling(Exchange):
         return all(participant.abilities.restorable for participant in self.participants)
 
     def prove(self, time: float) -> None:
-        """At the start, after `initialise`: try whether participants restore their states."""
+        """At the start, after `initialise`: try whether participants restore their states, and depend on
+        inputs as they say."""
         proofs = {i: prove for i, one in enumerate(self.participants) if (prove := one.abilities.prove)}
-        reasons = []
+        self.unproven = []
         for i, prove in proofs.items():
             with timed(self.effort.initialising, i):
-                reasons.append(prove(time))
-        self.unproven = [reason for reason in reasons if reason]
+                self.unproven += prove(time).splitlines()
         if proofs:  # which may be other instances now
             self.rebind()
 

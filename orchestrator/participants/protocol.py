@@ -77,9 +77,9 @@ class Abilities:
     `restorable`: it can save and restore its state. `variable_step`: it takes steps of any length.
     `divisible`: several short steps bring it to the same state as a long one. `side` has its events, clocks
     and texts, `derivatives` its directional derivatives. `warnings()` is the number of warnings of the FMU,
-    and the first message. `prove(time)`, called after initialisation, tries whether the state is restored,
-    and returns why it is not, or an empty text. `unserialisable`: why another process
-    cannot use what it saves, or an empty text.
+    and the first message. `prove(time)`, called after initialisation, tries whether the state is restored and
+    outputs depend on inputs as declared, and returns what is not so, a line each. `unserialisable`: why
+    another process cannot use what it saves, or an empty text.
     """
 
     restorable: bool = True

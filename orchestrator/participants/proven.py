@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from models.core.quantities import Layout, Vector
+from models.core.component import Component
+from models.core.quantities import Vector
 
 from ..errors import EndedError, ParticipantError, RecoverableError
 from .protocol import BoundVariables, Participant
 from .reopened import Reopened
+from .undeclared import describe_undeclared
 
 # Relative to nominal + |value|, by which outputs of the same step may differ.
 ROUNDING = 1e-12
@@ -36,19 +38,18 @@ def pass_on(method: str) -> Any:
 
 
 class Proven:
-    """Implements `Participant` by `open_unit()`, whose inputs and outputs these are.
+    """Implements `Participant` by `open_unit()` of the component.
 
     Its proof makes a step, takes it back and makes it again, with the inputs of the start and with others, as
     a state that follows inputs of zero stays as it is. If the outputs differ the FMU does not come back to
-    the state it saved, as one that saves a part only. It is then opened afresh, and not restorable.
+    the state it saved, as one that saves a part only. It is then opened afresh, and not restorable. Of one
+    that does, what its outputs depend on at once is tried too.
     """
 
-    def __init__(
-        self, open_unit: Callable[[], Participant], inputs: Layout, outputs: Layout, proof: Proof
-    ) -> None:
+    def __init__(self, open_unit: Callable[[], Participant], component: Component, proof: Proof) -> None:
         self._first = Reopened(open_unit)
         self._unit: Participant = self._first
-        self._inputs, self._outputs, self._proof = inputs, outputs, proof
+        self._component, self._outputs, self._proof = component, component.outputs, proof
         self._warned = 0
         unit = self._first.unit
         self.name, self.signal_degrees = unit.name, unit.signal_degrees
@@ -75,7 +76,7 @@ class Proven:
                 break
         self._warned = self._count_warnings()[0] - before
         if not differing.any():
-            return ""
+            return self._describe_undeclared(unit)
         i = int(np.argmax(differing))
         reason = (
             f"{self.name}: the FMU does not come back to the state that it saved, though it says so "
@@ -104,12 +105,25 @@ class Proven:
             unit.release(saved)
         return found
 
+    def _describe_undeclared(self, unit: Participant) -> str:
+        """What outputs depend on at once, of connected inputs, and do not say; it is then where it was."""
+        if self.abilities.side is not None:
+            return ""
+        saved, given = unit.save(), dict(zip(self._bound.input_names, self._bound.inputs[0], strict=True))
+        try:
+            found = list(describe_undeclared(unit, self._component, given))
+        finally:
+            unit.restore(saved)
+            unit.release(saved)
+            unit.write()
+        return "\n".join(f"{self.name}: {said}" for said in found)
+
     @contextmanager
     def _displace_inputs(self) -> Iterator[None]:
         """Connected inputs by their nominal value, within their ranges, those of whole numbers not."""
         memory, kept = self._bound.inputs, self._bound.inputs.copy()
         for column, name in enumerate(self._bound.input_names):
-            quantity = self._inputs.field(name).quantity
+            quantity = self._component.inputs.field(name).quantity
             if not quantity.jumps:
                 memory[0, column] = quantity.displace(memory[0, column])
         try:

@@ -1,6 +1,6 @@
 """Outputs that depend on an input at once, though the description says that they don't."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -12,18 +12,25 @@ from .protocol import Participant
 ROUNDING = 1e-12
 
 
-def list_undeclared(participant: Participant, component: Component) -> Iterator[tuple[str, str]]:
-    """Pairs of output and input, found by other values of each input, of which the outputs go back to the
-    start value. Inputs that change at events only are left out."""
+def describe_undeclared(
+    participant: Participant, component: Component, inputs: Mapping[str, float]
+) -> Iterator[str]:
+    """A sentence for each output and input, found by other values of each of these inputs, which then have
+    theirs again. Inputs that change at events only are left out."""
     outputs, names = component.outputs, np.array(component.outputs.names)
-    fields = [field for field in component.inputs.fields if not field.quantity.jumps]
-    participant.set_inputs({field.name: field.start for field in fields})
+    quantities = {name: component.inputs.field(name).quantity for name in inputs}
+    given = {name: value for name, value in inputs.items() if not quantities[name].jumps}
+    participant.set_inputs(given)
     before, now = np.zeros(outputs.size), np.zeros(outputs.size)
-    for field in fields:
+    for name, value in given.items():
         participant.read_all(before)
-        participant.set_inputs({field.name: field.quantity.displace(field.start)})
+        participant.set_inputs({name: quantities[name].displace(value)})
         participant.read_all(now)
-        participant.set_inputs({field.name: field.start})
-        for name in names[np.abs(now - before) > ROUNDING * (outputs.nominal + np.abs(before))]:
-            if field.name not in component.feedthrough.get(str(name), ()):
-                yield str(name), field.name
+        participant.set_inputs({name: value})
+        for output in names[np.abs(now - before) > ROUNDING * (outputs.nominal + np.abs(before))]:
+            if name not in component.feedthrough.get(str(output), ()):
+                yield (
+                    f"{output} depends on {name} at the same instant, but its dependencies in ModelStructure "
+                    "do not say so, and it may be computed before that input; have modelDescription.xml "
+                    "corrected"
+                )

@@ -83,8 +83,8 @@ class ParticipantPlan:
         if self.proof is None:
             participant: Participant = self.open_bare(name, instance)
         else:
-            make, component = partial(self.open_bare, name, instance), instance.component
-            participant = Proven(make, component.inputs, component.outputs, self.proof)
+            make = partial(self.open_bare, name, instance)
+            participant = Proven(make, instance.component, self.proof)
         if self.substeps > 1 or self.retries:
             participant = Substepped(participant, self.substeps, self.retries)
         return transformed(participant, self.linear) if self.linear else participant

@@ -92,8 +92,8 @@ class Statistics:
     """What a run took. `do_steps` counts the steps of single participants, rejected ones too.
 
     `python_sweeps`: the participants that keep sweeps in Python, which is slower than compiled code, and why.
-    `without_rates`: those whose rates are no numbers at the start, and were not used. `unproven`: why some do
-    not restore their states.
+    `without_rates`: those whose rates are no numbers at the start, and were not used. `unproven`: what some
+    say of themselves and does not hold.
     """
 
     macro_steps: int

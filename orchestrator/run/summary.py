@@ -95,7 +95,7 @@ class Summary:
     frozen: Sequence[str] = ()  # FMUs that stand still
     python_sweeps: Mapping[str, str] = field(default_factory=dict)  # slow participants: reason
     without_rates: Sequence[str] = ()  # participants whose rates were not used
-    unproven: Sequence[str] = ()  # why participants were not restored
+    unproven: Sequence[str] = ()  # what participants say of themselves and does not hold
     discarding: str = ""  # the participant that ended the run by discarding a step
     fmus: dict[str, str] = field(default_factory=dict)
     notices: Sequence[Words] = field(default_factory=list)

@@ -13,7 +13,7 @@ from ..participants.in_own_process import InOwnProcess
 from ..participants.open_fmu import collect_settings
 from ..participants.own_process import Limits
 from ..participants.third_party import ThirdPartyComponent, read_component
-from ..participants.undeclared import list_undeclared
+from ..participants.undeclared import describe_undeclared
 from ..scenario.capabilities import WHOLE_STEPS
 from ..stepping import FixedSteps
 from .simulation import Session
@@ -67,11 +67,8 @@ def _make_steps(path: Path, component: ThirdPartyComponent) -> Iterator[str]:
         for name, value in component.outputs.named(session.read_outputs()).items():
             if value - value != 0.0:
                 yield f"{name} is {value} at t = {session.time:g} s, after {tally(count, 'step')}"
-        for output, given in list_undeclared(unit, component):
-            yield (
-                f"{output} depends on {given} at the same instant, but its dependencies in ModelStructure do "
-                "not say so, and it may be computed before that input; have modelDescription.xml corrected"
-            )
+        inputs = component.inputs
+        yield from describe_undeclared(unit, component, inputs.named(inputs.start))
         unit.terminate()
     finally:
         unit.close()

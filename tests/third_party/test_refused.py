@@ -280,3 +280,21 @@ def test_an_output_that_follows_an_input_undeclared_is_found(tmp_path):
     assert right.faults == found.faults == []
     (remark,) = set(found.remarks) - set(right.remarks)
     assert remark.startswith("real out depends on real in at the same instant, but its dependencies in Model")
+
+
+@pytest.mark.parametrize("process", ["shared", "own"])
+def test_it_is_found_at_the_start_of_a_run_too(process, tmp_path):
+    """Which goes on as if it had not been tried."""
+    path, values = fmu("feedthrough", 2, tmp_path), []
+    wrong = replace_text(path, tmp_path / "wrong.fmu", '"2" dependencies="1"', '"2" dependencies=""')
+    for file, count in ((path, 0), (wrong, 1)):
+        tables = {
+            "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
+            "through": {"participant": file, "process": process},
+        }
+        lines = ["decay.x -> through.real in"]
+        summary, columns = ran(scenario(tables, connections=lines), tmp_path / f"out{count}")
+        told = [str(line).partition(" at the")[0] for line in summary.tell() if "ModelStr" in str(line)]
+        assert told == ["through: real out depends on real in"] * count
+        values.append(columns["through.real out"])
+    np.testing.assert_allclose(*values, rtol=1e-12)
