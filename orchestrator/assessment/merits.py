@@ -3,7 +3,7 @@
 import csv
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +15,7 @@ from models.core.system import Port, System
 from models.core.words import tally
 
 from ..scenario.display import format_number, say, show
+from ..scenario.values import WARNING
 from ..store.csv_file import write_sheet
 from .adjusters import UNHELD, describe_growth
 from .contacts import ContactSummaries, ContactSummary, name_turn
@@ -23,6 +24,7 @@ from .friction.losses import list_losses, name_outside, note_friction
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
 from .motion import RUN, Motion
+from .springs import MORE_TRAVEL, find_clearance, list_springs
 from .trains import (
     Angle,
     Train,
@@ -115,9 +117,26 @@ def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float 
 
 
 def describe(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
-    """Lines of trains, drive, adjusters and bearings."""
-    tellers = (describe_trains, describe_drive, describe_adjusters, describe_bearings)
+    """Warnings of clashes, then lines of trains, drive, adjusters and bearings."""
+    tellers = (warn_of_clashes, describe_trains, describe_drive, describe_adjusters, describe_bearings)
     return [line for tell in tellers for line in tell(system, merits, read)]
+
+
+def warn_of_clashes(system: System, merits: Sequence[Merit], read: Read) -> Iterator[str]:
+    """A warning of each spring whose coils, all of one gap, clash: from where on, and how far at most."""
+    for least in merits:
+        if least.figure != "least_gap" or least.value >= 0.0 or least.time is None:
+            continue
+        if find_clearance(system.instances[least.part]) is None:
+            continue
+        times = read("time")
+        before = (times < least.time) & (read(f"{least.part}.least_gap") >= 0.0)
+        first = replace(least, time=float(times[np.flatnonzero(before)[-1] + 1 if before.any() else 0]))
+        places = (_find_place(system, one, read) for one in (first, least))
+        yield (
+            f"{WARNING}components.{least.part}: its coils clash from {next(places)} on; at {next(places)} "
+            f"the tightest are {least.text.removeprefix('-')} of travel beyond coil bind; {MORE_TRAVEL}"
+        )
 
 
 def describe_trains(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
@@ -246,27 +265,21 @@ def _list_landing(train: Train, found: Merits, read: Read) -> Iterator[str]:
 
 def _list_clash(train: Train, found: Merits) -> Iterator[str]:
     """Whether coils clash, and the travel that is left where they do not."""
-    springs = _list_springs(train)
+    springs = list_springs(train)
     gaps = [found[name, "least_gap"] for name in springs if (name, "least_gap") in found]
     for gap in gaps:
         force = found.get((gap.part, "largest_clash_force"))
         if force and force.value > 0.0:
             yield f"coils of {gap.part} clash with up to {force.text}"
         elif gap.value <= 0.0:
-            beyond = gap.text.removeprefix("-")
-            yield f"coils of {gap.part} clash: the tightest are {beyond} of travel beyond coil bind"
+            yield f"coils of {gap.part} clash"
     if gaps and (least := min(gaps, key=lambda gap: gap.value)).value > 0.0:
         yield f"no clash of coils, {least.text} of travel left to coil bind"
 
 
-def _list_springs(train: Train) -> list[str]:
-    both = (*train.list_parts(roles.CoilSpring), *train.list_parts(roles.LoadedSpring))
-    return list(dict.fromkeys(both))
-
-
 def _list_wire(train: Train, found: Merits) -> Iterator[str]:
     """Stress and safety of springs whose wire is known."""
-    for name in _list_springs(train):
+    for name in list_springs(train):
         stress, safety = found.get((name, "largest_stress")), found.get((name, "fatigue_safety"))
         if stress and safety:
             yield f"wire of {name} has {stress.text}, safety against fatigue {safety.value:.3g}"

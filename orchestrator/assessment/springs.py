@@ -1,14 +1,39 @@
 """What is asked of a valve's springs: forces, surge, travel left to coil bind, fatigue of the wire."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from models.core import roles
 from models.core.quantities import Quantity, Vector
+from models.core.system import Instance, System
 from models.valve_train.wire_materials import Fatigue
 
+from ..scenario.values import WARNING
 from .motion import NONE, Figure, Found, Part, find_largest, find_least
+from .trains import Train, find_trains, parameter_of
+
+MORE_TRAVEL = "fewer coils, a thinner wire or a larger installed length give it more travel"
+
+
+def list_springs(train: Train) -> list[str]:
+    """Its springs, the nearest to the cam first."""
+    both = (*train.list_parts(roles.CoilSpring), *train.list_parts(roles.LoadedSpring))
+    return list(dict.fromkeys(both))
+
+
+def warn_of_solid(system: System) -> Iterator[str]:
+    """A warning of each spring whose coils all touch below its valve's full lift, at any speed."""
+    for train in find_trains(system):
+        for name in list_springs(train):
+            travel, lift = sum(_list_gaps(system.instances[name])), train.valve_lift
+            if lift > travel:
+                yield (
+                    f"{WARNING}components.{name}: solid before full lift, at any speed: its valve lifts by "
+                    f"{1e3 * lift:.4g} mm, {1e3 * (lift - travel):.3g} mm more than the "
+                    f"{1e3 * travel:.4g} mm where all coils touch; {MORE_TRAVEL}"
+                )
 
 
 def _surge(part: Part) -> Found:
@@ -25,7 +50,7 @@ def _least_gap(spring: Part) -> Found:
 def _find_wire_force(spring: Part, force: str) -> Vector:
     """The force that twists the wire, of the tightest coils while they are open, or at the spring's end if it
     is larger; at its end only where gaps of coils differ."""
-    if (clearance := _find_clearance(spring)) is None:
+    if (clearance := find_clearance(spring.motion.system.instances[spring.name])) is None:
         return np.asarray(spring[force])
     preload, rate = spring.parameter("preload"), spring.parameter("spring_rate")
     tightest = preload + rate * (clearance - np.maximum(spring["least_gap"], 0.0))
@@ -33,13 +58,16 @@ def _find_wire_force(spring: Part, force: str) -> Vector:
     return np.maximum(tightest, np.minimum(spring[force], preload + rate * clearance))
 
 
-def _find_clearance(spring: Part) -> float | None:
+def find_clearance(spring: Instance) -> float | None:
     """Travel (m) until all coils touch; None where they do one after the other."""
-    names = spring.motion.system.instances[spring.name].component.parameters.names
-    gaps = [spring.parameter(name) for name in names if name.startswith("gap[")]
-    if not gaps:
-        return spring.parameter("clash_clearance")
+    gaps = _list_gaps(spring)
     return sum(gaps) if math.isclose(min(gaps), max(gaps)) else None
+
+
+def _list_gaps(spring: Instance) -> list[float]:
+    """From the valve's seat on (m): of each segment, or of all coils as one."""
+    gaps = [name for name in spring.component.parameters.names if name.startswith("gap[")]
+    return [parameter_of(spring, name) for name in gaps or ["clash_clearance"]]
 
 
 def _stress(force: str) -> Callable[[Part], Found]:

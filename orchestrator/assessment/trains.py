@@ -141,6 +141,11 @@ class Train:
         return find_ramp(Points(p.table_angle, p.table_lift, p.table_slope, p.table_curvature), [-1])
 
     @property
+    def valve_lift(self) -> float:
+        """Full lift of a rigid train's valve (m), less the lash; none of another cam is known."""
+        return self.ratio * self.largest_lift - max(self.list_of_valves("lash"), default=0.0)
+
+    @property
     def contact_law(self) -> ContactLaw:
         rests = any(self.list_of_valves("seat_stiffness")) and not self.list_parts(roles.Adjuster)
         return ContactLaw(self.lash, self.lobe) if rests else ContactLaw()

@@ -14,6 +14,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..assessment.gas_phase import list_doubtful_gas
+from ..assessment.notices import list_notices
 from ..assessment.trains import check_lash
 from ..engine.effort import timed
 from ..engine.energy import add_counting, counting_structure
@@ -43,7 +44,6 @@ from ..scenario.system import (
     list_moved_starts,
     list_outputs,
 )
-from ..scenario.warnings import list_notices
 from ..stepping import RefinedSteps, Stepper
 from .comparison import check_witness
 

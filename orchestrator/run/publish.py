@@ -79,8 +79,9 @@ def publish_merits(plan: Plan, summary: Summary, result: ResultFile) -> None:
 
 
 def list_warnings(summary: Summary) -> list[str]:
-    """What is doubted of the scenario's files."""
-    return [note for note in summary.notices if isinstance(note, str) and note.startswith(WARNING)]
+    """What is doubted of the scenario and of what its trains did."""
+    said = (*summary.notices, *summary.merits)
+    return [note for note in said if isinstance(note, str) and note.startswith(WARNING)]
 
 
 def settle_ending(summary: Summary, folder: OutputFolder) -> Summary:
@@ -165,7 +166,7 @@ def _print_end(summary: Summary, out: Path, written_files: Sequence[Path], repor
             reporter.line(line)
     if doubts := list_warnings(summary):
         places = dict.fromkeys(doubt.removeprefix(WARNING).partition(": ")[0] for doubt in doubts)
-        reporter.line(f"{WARNING}{', '.join(places)}: doubted as said at the start, see summary.csv")
+        reporter.line(f"{WARNING}{', '.join(places)}: doubted as said above, see summary.csv")
     report = out / REPORT
     place = f"report in {format_path(report)}" if report.exists() else f"results in {format_path(out)}"
     reporter.line(f"{place}, after {summary.wall_time_s:.1f} s")

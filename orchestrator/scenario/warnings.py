@@ -26,11 +26,6 @@ STATED = {"viscosity": "Pa.s", "pressure_viscosity": "1/Pa"}
 NAMED = 3
 
 
-def list_notices(scenario: Scenario) -> list[str]:
-    """What each oil has at its temperature, and all warnings, a line each."""
-    return [*list_oils(scenario), *list_warnings(scenario)]
-
-
 def list_warnings(scenario: Scenario) -> list[str]:
     """All warnings, a line each."""
     found = []

@@ -13,6 +13,7 @@ from rich.table import Table
 from models.compile.temporary import TemporaryFolder
 
 from ..analyses._evaluate import create_folder, find_results
+from ..assessment.notices import list_notices
 from ..assessment.trains import check_lash
 from ..engine.signals import DEGREES
 from ..errors import MistakeError, RunError, in_command_line
@@ -27,7 +28,6 @@ from ..scenario.display import SYMBOLS
 from ..scenario.fmu_limits import FmuLimits
 from ..scenario.system import Builder, build_system
 from ..scenario.units import choose_time_unit, format_time
-from ..scenario.warnings import list_notices
 from ..store.csv_file import write_rows
 
 NAME = "masters"

@@ -18,6 +18,7 @@ from models.core.quantities import Quantity
 from ..analyses import Result
 from ..analyses.stability.chosen import choose_master
 from ..assessment.contacts import ContactSummary
+from ..assessment.notices import list_notices
 from ..errors import IncompleteError, MistakeError, in_command_line
 from ..reporter import Reporter
 from ..run.comparison import VariableError
@@ -27,7 +28,6 @@ from ..scenario import DURATIONS, Scenario, build_scenario, parse_ends
 from ..scenario.files import put, split_path, to_full_toml
 from ..scenario.system import Builder, list_outputs, resolve
 from ..scenario.values import SECTIONS, Value, list_layouts, parse_value
-from ..scenario.warnings import list_notices
 from ..store.output_folder import RESULT
 from ..store.result_file import open_result
 from .subjects import MOST_DRAWN, Subject

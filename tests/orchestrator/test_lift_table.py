@@ -351,7 +351,7 @@ def test_a_run_repeats_beside_its_verdict_what_is_doubted_of_its_table(tmp_path,
     summary = Summary("x", "", "", {}, 1e-5, True, {}, complete=True, verdict="within", notices=notices)
     _print_end(summary, tmp_path, [], Reporter())
     told = " ".join(capsys.readouterr().out.split())
-    assert told.index("x: within") < told.index("warning: components.camshaft: doubted as said at the start")
+    assert told.index("x: within") < told.index("warning: components.camshaft: doubted as said above")
     assert not any(line in told for line in notices), doubt
 
 

@@ -20,6 +20,7 @@ from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.merits import (
     HEAD,
     Merit,
+    describe,
     describe_bearings,
     describe_trains,
     list_merits,
@@ -150,6 +151,23 @@ HOP[CLOSED + 100 : CLOSED + 200] = 30e-6
 def test_what_is_wrong_with_a_train_is_named(changed, said):
     """6 deg of the turn are 1.67 %."""
     assert said in told(**changed)
+
+
+def test_coils_that_clash_are_warned_of_unless_they_close_one_after_the_other():
+    """Half a sine over 120 deg has half its 8 mm of lift 40 deg before its nose."""
+    read = read_columns(spring__least_gap=4e-3 - LIFT)
+
+    def warn(system: System) -> list[str]:
+        return [line for line in describe(system, list_merits(system, {}, read), read) if "coil bind" in line]
+
+    (said,) = warn(SYSTEM)
+    assert said.startswith(
+        "warning: components.spring: its coils clash from cam 140.1 deg on; at cam 180.0 deg the tightest "
+        "are 4 mm of travel beyond coil bind; fewer coils"
+    )
+    assert "coils of spring clash; " in told(spring__least_gap=4e-3 - LIFT)
+    gaps = [f"components.spring.parameters.gap[1] = {gap} mm" for gap in (0.5, 0.9278)]
+    assert [len(warn(build_system(load("coil-clash", [gap])))) for gap in gaps] == [0, 1]
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,12 @@ from models.catalogue import CATALOGUE
 from models.core.system import Instance, System
 from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.motion import Motion
+from orchestrator.assessment.notices import list_notices
+from orchestrator.assessment.springs import warn_of_solid
+from orchestrator.assessment.trains import find_trains
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
+from orchestrator.scenario.system import build_system
 from orchestrator.scenario.values import to_numbers
 from orchestrator.study.speeds.remarks import list_doubts
 
@@ -157,5 +161,29 @@ def test_coils_of_a_wire_that_touch_are_stiff_and_said() -> None:
     found = {"valve_spring.least_gap": [1e-3, -0.2e-3, -1.5e-3], "change": np.zeros(3)}
     speeds = np.array([1000.0, 2000.0, 3000.0]) * math.pi / 30.0
     cycles = xarray.Dataset({name: ("speed", column) for name, column in found.items()}, {"speed": speeds})
-    (said,) = list_doubts(None, None, cycles)
+    (said,) = list_doubts(None, build_system(load("seat-and-lash")), cycles)
     assert "valve_spring clash at 2 speeds from 2000 to 3000 r/min, the tightest 1.5 mm" in said
+
+
+@pytest.mark.parametrize(("installed", "solid"), [("36 mm", True), ("39 mm", False)])
+def test_a_spring_that_is_solid_before_full_lift_is_said_before_the_run(installed: str, solid: bool) -> None:
+    """Its 7.5 coils of 4 mm touch at 30 mm; the valve lifts by 8.3 mm less 0.2 mm of lash."""
+    wire = WIRE | {"installed_length": installed}
+    wires = [f"components.valve_spring.wire.{key} = {value}" for key, value in wire.items()]
+    said = " ".join(line for line in list_notices(load("seat-and-lash", wires)) if "solid" in line)
+    assert said.partition("; ")[0] == solid * (
+        "warning: components.valve_spring: solid before full lift, at any speed: "
+        "its valve lifts by 8.1 mm, 2.1 mm more than the 6 mm where all coils touch"
+    )
+
+
+@pytest.mark.parametrize("solid", [True, False])
+def test_full_lift_of_a_valve_is_that_of_its_rocker(solid: bool) -> None:
+    """The rod's end of the rocker has the cam's 7.35 mm as the valve has its lash and its lift."""
+    (train,) = find_trains(build_system(load("pushrod-train")))
+    lash = train.system.instances["valve_spring"].parameters["lash"]
+    assert train.find_cam_lash(lash + train.valve_lift) == pytest.approx(train.largest_lift, rel=1e-9)
+    assert train.valve_lift > 1.2 * train.largest_lift
+    travel = train.valve_lift + (-1e-5 if solid else 1e-5)
+    given = [f"components.valve_spring.parameters.clash_clearance = {travel}"]
+    assert bool(list(warn_of_solid(build_system(load("pushrod-train", given))))) == solid

@@ -14,12 +14,12 @@ from models.core.quantities import Vector
 from models.core.words import tally
 
 from ...analyses._evaluate import create_folder, find_results
+from ...assessment.notices import list_notices
 from ...errors import MistakeError, Option, RunError
 from ...report.answer import Answer
 from ...reporter import Reporter, tell_interruption
 from ...scenario import build_scenario
 from ...scenario.system import Builder, list_outputs
-from ...scenario.warnings import list_notices
 from ...store.output_folder import PRINTED
 from ..run import Where
 from .fit import Fit, fit, profile

@@ -16,6 +16,7 @@ from ...analyses._evaluate import create_folder, find_results
 from ...assessment.figures_of_merit import CONTACT
 from ...assessment.friction.losses import remark_outside
 from ...assessment.motion import Motion, Part
+from ...assessment.notices import list_notices
 from ...errors import MistakeError, Words
 from ...plots.design import draw_design
 from ...plots.style import save_figure
@@ -24,7 +25,6 @@ from ...reporter import Bar, Reporter, follow, tell_interruption
 from ...run.pipeline import run_part
 from ...scenario.files import load, read_changed
 from ...scenario.system import Builder, build_system
-from ...scenario.warnings import list_notices
 from ..speeds.finder import CycleFinder
 from ..speeds.separation import bisect_separation, is_separated
 from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_motion

@@ -14,6 +14,7 @@ from models.monolithic.cycle import STEADY
 from ...assessment.adjusters import describe_over_speed
 from ...assessment.contacts.lines import FED
 from ...assessment.lost_contact import find_lost, find_unsteady
+from ...assessment.springs import MORE_TRAVEL, find_clearance
 from ...assessment.trains import describe_floating
 from .separation import RPM, list_speeds
 from .subject import SpeedSubject
@@ -24,7 +25,7 @@ def list_doubts(subject: SpeedSubject, system: System, table: xarray.Dataset) ->
     unsteady = list(describe_unsteady(table))
     floating = describe_floating(system) if unsteady else []
     return [
-        *unsteady, *floating, *describe_clash(table), *describe_yielding(table),
+        *unsteady, *floating, *describe_clash(system, table), *describe_yielding(table),
         *describe_feeding(subject, table), *describe_over_speed(table),
     ]  # fmt: skip
 
@@ -49,17 +50,17 @@ def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
     )
 
 
-def describe_clash(table: xarray.Dataset) -> Iterator[str]:
-    """A sentence on each spring whose coils touch at some speed."""
+def describe_clash(system: System, table: xarray.Dataset) -> Iterator[str]:
+    """A sentence on each spring whose coils, all of one gap, touch at some speed."""
     for name in (str(name) for name in table.data_vars if str(name).endswith(".least_gap")):
-        gaps = table[name].values
-        if not (touching := gaps < 0.0).any():
+        gaps, spring = table[name].values, name.rpartition(".")[0]
+        if not (touching := gaps < 0.0).any() or find_clearance(system.instances[spring]) is None:
             continue
         worst = int(np.nanargmin(gaps))
         yield (
-            f"coils of {name.rpartition('.')[0]} clash at {_list_where(table, touching)}, "
+            f"coils of {spring} clash at {_list_where(table, touching)}, "
             f"the tightest {-1e3 * gaps[worst]:.3g} mm of travel beyond coil bind at "
-            f"{float(table['speed'][worst]) * RPM:.0f} r/min; a spring with more travel avoids it"
+            f"{float(table['speed'][worst]) * RPM:.0f} r/min; {MORE_TRAVEL}"
         )
 
 

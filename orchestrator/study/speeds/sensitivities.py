@@ -25,6 +25,7 @@ from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
 from ...analyses import Parameter, Result
 from ...assessment.friction.losses import remark_outside
+from ...assessment.notices import list_notices
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.merits import LEAST, draw_tornado
 from ...plots.style import save_figure
@@ -35,7 +36,6 @@ from ...scenario.display import format_number, say, show, show_unit
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import build_system, list_parameters, list_quantities
 from ...scenario.values import Value
-from ...scenario.warnings import list_notices
 from ...store.csv_file import write_sheet
 from ...store.output_folder import refuse_file
 from ...texts import parse_toml

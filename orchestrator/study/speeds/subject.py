@@ -21,13 +21,13 @@ from models.monolithic.modes import Mode, find_modes
 from ...analyses import Parameter, Result
 from ...assessment.figures_of_merit import list_figures, measure
 from ...assessment.motion import Motion, Part
+from ...assessment.notices import list_notices
 from ...assessment.trains import Angle, find_trains, list_ratios
 from ...errors import MistakeError
 from ...scenario import Scenario, build_scenario
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import build_system, list_parameters, resolve_start
 from ...scenario.values import Value
-from ...scenario.warnings import list_notices
 from ..subjects import NumberedSubject
 
 SPEED = Parameter(

@@ -17,6 +17,7 @@ from models.valve_train.worn_cam import sample_cam
 
 from ...analyses import Result
 from ...assessment.friction.losses import remark_outside
+from ...assessment.notices import list_notices
 from ...errors import MistakeError, RunError
 from ...reporter import Reporter
 from ...scenario import build_scenario
@@ -24,7 +25,6 @@ from ...scenario.cams import read_cam
 from ...scenario.files import to_full_toml
 from ...scenario.system import build_system, list_quantities
 from ...scenario.units import is_bare
-from ...scenario.warnings import list_notices
 from ..files import plan_axis
 from ..run import Where, run
 from ..speeds.subject import SPEED, STEADY, describe_numbers, find_flywheel

@@ -12,13 +12,13 @@ from models.valve_train.worn_cam import find_most_depth
 
 from ...analyses import Parameter
 from ...analyses._evaluate import create_folder, find_results
+from ...assessment.notices import list_notices
 from ...errors import MistakeError, Option
 from ...plots.style import save_figure
 from ...plots.wear import draw_wear
 from ...report.answer import Answer
 from ...reporter import Reporter
 from ...scenario.units import UnitError, is_bare, to_unit
-from ...scenario.warnings import list_notices
 from ..speeds.sweep import parse_speed
 from .history import follow
 from .report import FIGURE, LIFTS, PAGE, Interval, remark, tabulate, write

@@ -1,0 +1,11 @@
+"""What is said of a scenario before it runs or is studied."""
+
+from ..scenario import Scenario
+from ..scenario.system import build_system
+from ..scenario.warnings import list_oils, list_warnings
+from .springs import warn_of_solid
+
+
+def list_notices(scenario: Scenario) -> list[str]:
+    """What each oil has at its temperature, and all warnings, a line each."""
+    return [*list_oils(scenario), *list_warnings(scenario), *warn_of_solid(build_system(scenario))]
