@@ -23,6 +23,14 @@ def list_springs(train: Train) -> list[str]:
     return list(dict.fromkeys(both))
 
 
+def warn_of_clash(spring: str, where: str, gap: float) -> str:
+    """That coils clash, and how far (m, below 0) at most."""
+    return (
+        f"{WARNING}components.{spring}: its coils clash {where}, by up to {-1e3 * gap:.3g} mm of travel "
+        f"beyond coil bind; {MORE_TRAVEL}"
+    )
+
+
 def warn_of_solid(system: System) -> Iterator[str]:
     """A warning of each spring whose coils all touch below its valve's full lift, at any speed."""
     for train in find_trains(system):

@@ -12,6 +12,7 @@ from models.contact.oils import ZERO_CELSIUS
 from models.core import roles
 from models.core.component import Component
 
+from ..assessment.springs import find_clearance, list_springs
 from ..assessment.trains import LIFTED, find_trains
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
@@ -103,11 +104,13 @@ def _tell_train(train: Train, turning: str) -> dict[str, Any]:
 
 def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
     """What each cam moves: parts of which the page says figures, contacts with their elastic limits (Pa),
-    and by what its contacts are judged (`ContactLaw`): a tenth of the largest lift (m), and which parameters
-    are lashes, each with what the cam lifts for it, in shares of it. A valve without a seat has none."""
+    springs whose coils touch all at once, and by what its contacts are judged (`ContactLaw`): a tenth of the
+    largest lift (m), and which parameters are lashes, each with what the cam lifts for it, in shares of it. A
+    valve without a seat has none."""
     parameters = train.component.parameters
     numbers = dict(zip(parameters.names, parameters.start, strict=True))
-    for one in find_trains(build_system(train.scenario)):
+    system = build_system(train.scenario)
+    for one in find_trains(system):
         valves = one.list_parts(roles.Valve)
         # JSON has no infinity, which tells bodies that never yield.
         limits = {name: min(numbers[f"{name}.elastic_limit"], float_info.max) for name in one.contacts}
@@ -115,6 +118,9 @@ def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
             "lift": f"{one.cam}.cam_lift",
             "contacts": limits,
             "valves": [name for name in valves if numbers.get(f"{name}.seat_stiffness")],
+            "springs": [
+                name for name in list_springs(one) if find_clearance(system.instances[name]) is not None
+            ],
             "lashes": [
                 [parameters.index(at), one.find_cam_lash(numbers[at] or SMALL) / (numbers[at] or SMALL)]
                 for name in valves

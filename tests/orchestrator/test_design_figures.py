@@ -17,9 +17,10 @@ from models.core.system import ModelError
 from models.monolithic.cycle import STEADY
 from models.valve_train.followers.mechanisms import Flat
 from orchestrator.assessment.motion import Found as Value
+from orchestrator.assessment.motion import Motion
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load, read_changed
-from orchestrator.scenario.system import list_parameters
+from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.scenario.wire import insert_wire
 from orchestrator.study.design import run as design_run
 from orchestrator.study.design.answers import Answer, Column, follow_reversal
@@ -34,10 +35,11 @@ from orchestrator.study.design.limits import (
     duration_limit,
     film_limit,
     find_sizes,
+    gap_limit,
     kinematic_limits,
 )
 from orchestrator.study.design.lobe import Lobe
-from orchestrator.study.design.report import describe_active, describe_shape
+from orchestrator.study.design.report import describe_active, describe_clashes, describe_shape
 from orchestrator.study.design.run import describe_excess, describe_own_ramp, find_own_limits
 from orchestrator.study.design.search import Search, Seen
 from orchestrator.study.design.slp import Active, Line, Problem, maximise
@@ -98,6 +100,40 @@ def test_a_cam_lifts_by_a_millimetre_for_the_duration_that_it_may() -> None:
     assert duration == pytest.approx(most, abs=math.radians(0.1))
     edges = 0.5 * (lobe.begin + lobe.end) + np.array([-0.25, 0.25]) * most
     assert (lobe.bumps.at(edges) @ held).max() < 1.001e-3
+
+
+@pytest.mark.parametrize("least", [1.5e-3, -0.5e-3])
+def test_a_spring_keeps_its_travel_to_coil_bind(least: float) -> None:
+    """Slow coils have what the lift leaves of 9 mm: the most area takes all but the least gap, or adds to it
+    where coils of the own cam clash."""
+    lobe = build_lobe(count=24)
+    sizes = find_sizes(lobe, lobe.own, lobe.kind.geometry, 1.0)
+    free = {"largest_lift": 12e-3, "largest_offset": 1.3 * sizes["largest_offset"]}
+    more = list(kinematic_limits(free, 1.0, 20e-3))
+    left = 9e-3 - lobe.curve(lobe.start).s
+    answer = answer_of(left, left, -lobe.matrices[0])
+    highest = []
+    for limits in (more, [*more, gap_limit("gap", "load", 1.0, least)]):
+        found = optimise(build_model(lobe, limits, {1.0: answer}), lobe.start)
+        assert found.feasible
+        highest.append(float(lobe.curve(found.unknowns).s.max()))
+    assert highest[0] > 9.8e-3
+    assert highest[1] == pytest.approx(9e-3 - least, abs=1e-6)
+
+
+def test_coils_that_clash_with_a_designed_cam_are_warned_of() -> None:
+    """At the speed where they do most, of springs whose coils touch all at once."""
+
+    def warn(*settings: str) -> list[str]:
+        system = build_system(load("coil-clash", settings))
+        gaps = {100.0: [1e-3, -1e-4], 200.0: [1e-3, -1.2e-3], 300.0: [1e-3, 1e-4]}
+        columns = {speed: np.array(gap) for speed, gap in gaps.items()}
+        motions = {v: Motion(system, np.arange(2.0), lambda _, v=v: columns[v], None) for v in gaps}
+        return list(describe_clashes(motions, "with this cam"))
+
+    (said,) = warn()
+    assert "components.spring: its coils clash with this cam, most at 1910 r/min, by up to 1.2 mm of" in said
+    assert not warn("components.spring.parameters.gap[1] = 0.5 mm")
 
 
 def test_a_film_stays_where_no_tangent_foresees_a_new_reversal() -> None:

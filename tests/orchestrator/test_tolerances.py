@@ -15,6 +15,7 @@ from models.valve_train.worn_cam import PLACES, sample_cam
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
+from orchestrator.scenario.system import build_system
 from orchestrator.study.files import Plan
 from orchestrator.study.run import Where, run
 from orchestrator.study.source import compute_fingerprint
@@ -27,7 +28,13 @@ from orchestrator.study.tolerances.design import BESIDE, SAMPLE, Design, Grindin
 from orchestrator.study.tolerances.distributions import Sampled, group
 from orchestrator.study.tolerances.limits import parse_limits
 from orchestrator.study.tolerances.report import describe, find_worst
-from orchestrator.study.tolerances.run import describe_cycles, find_usable, find_yields, make_subject
+from orchestrator.study.tolerances.run import (
+    describe_clashes,
+    describe_cycles,
+    find_usable,
+    find_yields,
+    make_subject,
+)
 from orchestrator.study.tolerances.statistics import (
     find_first_order,
     find_indices,
@@ -174,6 +181,15 @@ def test_the_worst_trains_are_on_the_side_of_the_limit_that_fails():
     sides = {"contact.least_load": 0.1, "valve_spring.seating_velocity": 99.9}
     assert {name: find_worst(name, limits) for name in sides} == sides
     assert (find_worst("a.spring_margin", []), find_worst("a.peak_pressure", [])) == (0.1, 99.9)
+
+
+def test_trains_whose_coils_clash_are_counted():
+    """Those without a cycle are no trains; coils that close one after the other may."""
+    values = {"spring.least_gap": np.array([1e-3, -0.3e-3, -0.9e-3, np.nan])}
+    (said,) = describe_clashes(values, build_system(load("coil-clash")))
+    assert said.startswith("warning: components.spring: its coils clash in 2 of 3 trains, by up to 0.9 mm of")
+    progressive = build_system(load("coil-clash", ["components.spring.parameters.gap[1] = 0.5 mm"]))
+    assert not list(describe_clashes(values, progressive))
 
 
 def make_trains(design: Design, change: dict[int, float], failed: int) -> xarray.Dataset:

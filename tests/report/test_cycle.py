@@ -86,6 +86,10 @@ def test_the_page_finds_the_cycle_that_the_monolithic_solver_finds(browser, path
         assert figures.startswith("contact is lost: least load while the cam lifts 0 N")
         thin = page.evaluate("report.records.lows.fill(2e-10) && report.records.measure().figures")
         assert "least film 0 µm" in thin  # below an atom
+        clash = page.evaluate("report.records.lows.fill(-2e-3) && report.records.measure()")
+        assert "least travel left to coil bind -2 mm (valve_spring)" in clash["figures"]
+        beyond = "coils clash in valve_spring (the tightest 2 mm of travel beyond coil bind)"
+        assert [line for line in clash["warnings"] if line.startswith("coils")] == [beyond]
         lifting = (
             "lash => { const chosen = report.records.view('parameters', Float64Array, report.records.told."
             "parameters.length); chosen[report.records.told.trains[0].lashes[0][0]] = lash; "

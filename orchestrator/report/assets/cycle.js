@@ -95,12 +95,12 @@ class CycleRecords extends Records {
 
   // Of each kind the worst part, as orchestrator/assessment/figures_of_merit.py measures it, and of what to warn.
   measure() {
-    const lost = [], yielding = [], found = new Map(), add = (kind, part, output, value) => {
-      const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = Math.abs(factor * value);
+    const lost = [], yielding = [], clashing = [], found = new Map(), add = (kind, part, output, value, size = Math.abs(value)) => {
+      const { unit, factor } = this.variables.get(part + "." + output) || {}, shown = factor * size;
       if (isFinite(shown) && !(found.get(kind)?.value <= value)) found.set(kind, { value, text: readable(+shown.toPrecision(3)) + " " + unit + " (" + part + ")" });
     };
     for (const train of this.told.trains) {
-      const { lift, contacts, valves, rests } = train, lifts = this.column(lift), { lobe } = this.findLaw(train);
+      const { lift, contacts, valves, springs, rests } = train, lifts = this.column(lift), { lobe } = this.findLaw(train);
       for (const [part, limit] of Object.entries(contacts)) {
         const loads = this.column(part + ".load", this.lows);
         const load = least(loads.filter((_, i) => Math.min(lifts[i], lifts[i + 1]) > lobe));
@@ -112,10 +112,15 @@ class CycleRecords extends Records {
         if ((rests ? load : least(loads)) <= 0) lost.push(part);
         if (pressure > limit) yielding.push(part + " (" + megapascals(pressure) + ", limit " + megapascals(limit) + ")");
       }
+      for (const part of springs) {
+        const gap = least(this.column(part + ".least_gap", this.lows));
+        add("least travel left to coil bind", part, "least_gap", gap, gap);
+        if (gap < 0) clashing.push(part + " (the tightest " + readable(+(-1e3 * gap).toPrecision(3)) + " mm of travel beyond coil bind)");
+      }
       for (const part of valves) add("seating velocity", part, "velocity", this.land(part));
     }
     const figures = [...found].map(([kind, { value, text }]) => (kind.endsWith("lifts") && value <= 0 ? "contact is lost: " : "") + kind + " " + text).join(", ");
-    const warnings = { "contact is lost in": lost, "bodies yield above the elastic limit, which is not computed:": yielding };
+    const warnings = { "contact is lost in": lost, "coils clash in": clashing, "bodies yield above the elastic limit, which is not computed:": yielding };
     return { figures, warnings: Object.entries(warnings).filter(([, parts]) => parts.length).map(([words, parts]) => words + " " + parts.join(", ")) };
   }
 

@@ -31,6 +31,8 @@ NOSE = 1.0 / 3.0
 SLOW = 0.02
 # The lift (m) at which durations count.
 HEIGHT = 1e-3
+# The scale (m) of smaller gaps; that of an own cam whose coils clash is below 0.
+SMALL_GAP = 1e-4
 # Of the entraining velocity, in formulas of films.
 POWER = 0.7
 
@@ -183,7 +185,8 @@ def load_limit(
 
 def gap_limit(name: str, column: str, speed: float, least: float) -> Limit:
     """Springs keep at least this travel (m) to coil bind."""
-    return Limit(name, least, lambda q, size: (size - q.low) / least, column, speed)
+    scale = max(abs(least), SMALL_GAP)
+    return Limit(name, least, lambda q, size: (size - q.low) / scale, column, speed)
 
 
 def pressure_limit(

@@ -15,6 +15,8 @@ from models.valve_train.worn_cam import PLACES
 
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
+from ...assessment.springs import find_clearance, list_springs, warn_of_clash
+from ...assessment.trains import find_trains
 from ...report.answer import Answer
 from ...scenario.display import add_unit, format_number, show, show_unit
 from ...scenario.system import list_quantities
@@ -31,12 +33,12 @@ CAMS = ("before", "after")
 # Figures that are compared, the first ones first.
 COMPARED = (
     "lift_area", "largest_lift", "largest_load", "least_load", "peak_pressure", "least_film_ratio",
-    "spring_margin", "seating_velocity", "bounce", "friction_power", "surge_force",
+    "spring_margin", "seating_velocity", "bounce", "friction_power", "surge_force", "least_gap",
 )  # fmt: skip
 # The worse of two values; other figures are shown at the highest of the speeds.
 WORST: Mapping[str, Callable[..., float]] = {
     "largest_load": max, "least_load": min, "peak_pressure": max, "least_film_ratio": min,
-    "spring_margin": min, "seating_velocity": max, "bounce": max,
+    "spring_margin": min, "seating_velocity": max, "bounce": max, "least_gap": min,
 }  # fmt: skip
 # Of the cam alone, at the highest speed of the brief, in these units of so many SI ones.
 SIZES = {
@@ -146,6 +148,7 @@ def tabulate(
         reached=wanted.objective.sign * (improved.found.objective - 1.0) + 1.0,
         feasible=int(not improved.found.beyond),
         active=json.dumps([describe_active(*one, wanted.objective) for one in improved.active]),
+        clashes=json.dumps(list(describe_clashes(motions[1], "with the designed cam"))),
         limits=json.dumps(limits),
         sizes=json.dumps(sizes),
         shape=json.dumps(list(describe_shape(lobe, *own, [one["largest_nose_radius"] for one in sizes]))),
@@ -156,6 +159,17 @@ def tabulate(
         top_speed=top / train.ratio,
         version=metadata.version("tribocosim"),
     )
+
+
+def describe_clashes(motions: Mapping[float, Motion], cam: str) -> Iterator[str]:
+    """A warning of each spring whose coils clash at some speed (rad/s), and what keeps them apart."""
+    system = next(iter(motions.values())).system
+    for name in (name for train in find_trains(system) for name in list_springs(train)):
+        gaps = {speed: float(one.column(f"{name}.least_gap").min()) for speed, one in motions.items()}
+        worst = min(gaps, key=gaps.__getitem__)
+        if gaps[worst] < 0.0 and find_clearance(system.instances[name]) is not None:
+            said = warn_of_clash(name, f"{cam}, most at {RPM * worst:.0f} r/min", gaps[worst])
+            yield f"{said}; limits.least_gap keeps travel, if a cam can"
 
 
 def _show_parameters(
@@ -253,7 +267,7 @@ def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
     for name, values in json.loads(table.attrs["parameters"]).items():
         shown.add_row(name, "", *_cells(*values))
     answer.table(shown)
-    for text in [*json.loads(table.attrs["active"]), *json.loads(table.attrs["shape"])]:
+    for text in [line for kind in ("clashes", "active", "shape") for line in json.loads(table.attrs[kind])]:
         answer.line(text)
     if improved.ended:
         answer.line(improved.ended)

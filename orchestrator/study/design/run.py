@@ -46,7 +46,7 @@ from .files import (
     read_kept,
 )
 from .limits import find_sizes
-from .report import Check, report, tabulate
+from .report import Check, describe_clashes, report, tabulate
 from .search import Search, Seen
 from .train import DesignedTrain, open_train
 from .wanted import CONFIRMED, Found, Improved, Wanted
@@ -194,6 +194,7 @@ def design(
             before = Check(separation, {speed: cycles[speed] for speed in speeds})
         for file in held:
             file.unlink()
+        reporter.notice(describe_clashes(before.motions, "with the scenario's own cam"))
         reporter.line(_introduce(wanted, train.subject.flywheel))
         area = float(np.trapezoid(train.lobe.own.s - train.lobe.ramps.s, train.lobe.angles))
         top = max((*wanted.speeds, *wanted.kept)) * train.ratio

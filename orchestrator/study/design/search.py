@@ -28,6 +28,7 @@ from .answers import Answer, differ_by_speed, go_on
 from .figures import AREA, LEAST, SEPARATION, bound_lines, read_figures
 from .files import SCENARIO
 from .limits import (
+    SMALL_GAP,
     Limit,
     Model,
     closing_limit,
@@ -263,7 +264,7 @@ class Search:
                     excesses[f"pressure in {name} {at}"] = pressure / self.wanted.pressures[name] - 1.0
             for name, least in self.wanted.gaps.items():
                 gap = float(cycle[f"{name}.least_gap"].min())
-                excesses[f"coil bind of {name} {at}"] = (least - gap) / max(abs(least), 1e-4)
+                excesses[f"coil bind of {name} {at}"] = (least - gap) / max(abs(least), SMALL_GAP)
             if self.wanted.film and speed not in self.wanted.idle:
                 ratios = self.train.film_ratios(cycle.__getitem__)
                 excesses[f"film ratio {at}"] = 1.0 - float(np.nanmin(ratios)) / self.wanted.film

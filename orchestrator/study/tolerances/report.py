@@ -34,7 +34,8 @@ def publish(
 ) -> None:
     """Print percentiles, yields and what costs them; write all to a page, tables, figures and netCDF."""
     limited = dict.fromkeys(limit.figure for limit in limits if limit.figure in dataset["figure"])
-    main = dataset.sel(figure=list(dict.fromkeys([*limited, *select_figures(dataset)])))
+    gaps = [name for name in map(str, dataset["figure"].values) if name.endswith(".least_gap")]
+    main = dataset.sel(figure=list(dict.fromkeys([*limited, *select_figures(dataset), *gaps])))
     answer = Answer(f"{title}: tolerances", reporter)
     answer.table(_tabulate(main, limits, title))
     for line in describe(main, limits):

@@ -10,6 +10,7 @@ import xarray
 from numpy.typing import NDArray
 
 from models.core.quantities import Vector
+from models.core.system import System
 from models.core.words import tally
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from models.monolithic.cycle import USABLE
@@ -18,6 +19,7 @@ from models.valve_train.worn_cam import sample_cam
 from ...analyses import Result
 from ...assessment.friction.losses import remark_outside
 from ...assessment.notices import list_notices
+from ...assessment.springs import find_clearance, warn_of_clash
 from ...errors import MistakeError, RunError
 from ...reporter import Reporter
 from ...scenario import build_scenario
@@ -113,8 +115,8 @@ def find_tolerances(
     found = xarray.merge([*parts, find_yields(values, usable, design, limits)])
     steady = int(usable[_rows(design, SAMPLE)].sum())
     counts = {"trains": len(design), "sampled": 2 * design.half, "steady": steady}
-    outside = " ".join(remark_outside(build_system(scenario)))
-    told = "\n".join(describe_cycles(trains, design, usable))
+    outside = " ".join(remark_outside(system := build_system(scenario)))
+    told = "\n".join([*describe_cycles(trains, design, usable), *describe_clashes(values, system)])
     return found.assign_attrs(
         speed_rpm=RPM * subject.speed, status=status, friction=outside, cycles=told, **counts
     )
@@ -157,6 +159,16 @@ def describe_cycles(trains: xarray.Dataset, design: Design, usable: NDArray[np.b
             f"of {tally(int(rippled.sum()), 'train')} counted as steady a period still changes the motion, "
             f"by up to {100.0 * float(changes[rippled].max()):.2g} %"
         )
+
+
+def describe_clashes(values: Mapping[str, Vector], system: System) -> Iterator[str]:
+    """A warning of each spring whose coils clash in some of the judged trains."""
+    for name, gaps in values.items():
+        spring, _, figure = name.rpartition(".")
+        clashing = gaps < 0.0
+        if figure == "least_gap" and clashing.any() and find_clearance(system.instances[spring]) is not None:
+            of = f"in {int(clashing.sum())} of {tally(int(np.isfinite(gaps).sum()), 'train')}"
+            yield warn_of_clash(spring, of, float(np.nanmin(gaps)))
 
 
 def _rows(design: Design, kind: str) -> NDArray[np.int64]:
