@@ -101,7 +101,7 @@ class ContactOutputs(SharedOutputs):
         "mean rise of the surfaces over the oil's temperature, with film_heating"
     )
     film_temperature_rise: float = TEMPERATURE_RISE(
-        "mean rise of the film over the oil's temperature, with film_heating"
+        "rise over the oil's temperature at which the film shears, with film_heating"
     )
     rolling_friction: float = Quantity(
         "N", "drag F_R of the oil on each surface, with the sign of the entraining velocity"

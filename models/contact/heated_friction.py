@@ -1,4 +1,4 @@
-"""Friction of a film that its own shear heats: the mean temperature of the film, from one balance of heat.
+"""Friction of a film that its own shear heats: the temperature at which it shears, from one balance of heat.
 
 The heat of friction over Hertz's area A, q = (F_v + F_b) |u_s|/A, goes through both surfaces into their
 bodies. A body past which the contact moves with U takes it as a half-space does (Carslaw and Jaeger 1959,
@@ -7,10 +7,16 @@ bodies. A body past which the contact moves with U takes it as a half-space does
     h_i^2 = (3/4)^2 pi k rho c U/(2 b) + {pi k/(2 b [ln(L/b) + 1/2])}^2
 
 of fast passing, and of a standing contact of length L. Both surfaces have one mean rise (Blok 1937), so
-q = (h_1 + h_2) dT_s. The film lies above it by q_v h/(12 k_o), its mean over a parabola (Crook 1961), for
-heat q_v = F_v |u_s|/A that arises evenly across it.
+q = (h_1 + h_2) dT_s. Heat q_v = F_v |u_s|/A arises in the film. All layers share one stress, so that the
+hottest one shears most. The film shears as an evenly warm one of so much above the surfaces:
 
-Its viscosity, and so F_v, fall with the rise: the balance has one solution.
+    dT_f = q_v h/(12 k_o) phi,  phi = 3 L/(2 N),  L = ln(sinh 2c/(2c)),  N = c tanh c
+
+with the fall L of ln(eta) over dT_f, under the mean pressure (Nahme 1940). This is exact where ln(eta) falls
+evenly with the temperature, also for Eyring's fluid. phi is 1, the mean of a parabola (Crook 1961), in a
+cold film, and tends to 3, the peak of a film that shears in its middle alone.
+
+Viscosity, and so F_v, fall with the rise: the balance has one solution.
 """
 
 import math
@@ -24,6 +30,8 @@ from .rheology import Thermal, fluid_stress, limited_stress, pressed_share, stre
 # Relative accuracy of the rise. Newton's steps converge quadratically: the last is far smaller than this.
 _CLOSE = 1e-9
 _STEPS = 60
+# L of a film that is cold but for 1e-8 of phi.
+_SMALL = 1e-4
 # K. A rise that changes a viscosity by less than this accuracy.
 _COLD = 1e-9
 
@@ -53,11 +61,19 @@ class Cooling(NamedTuple):
 
 
 class HotFilm(NamedTuple):
-    """Viscous friction (N), mean rises of the surfaces and of the film over the oil's temperature (K)."""
+    """Viscous friction (N), and rises over the oil's temperature (K): the surfaces' mean, and that of an
+    evenly warm film that shears alike."""
 
     viscous: float
     surface_rise: float
     film_rise: float
+
+
+class _Peak(NamedTuple):
+    """phi and its derivative by L."""
+
+    factor: float
+    slope: float
 
 
 class _Shear(NamedTuple):
@@ -85,6 +101,25 @@ def build_cooling(contact: Contact, solid_1: Solid, solid_2: Solid, oil_conducti
         conductance(solid_2, contact.entraining - 0.5 * contact.sliding, b, length),
         oil_conductivity,
     )
+
+
+@kernel
+def concentrate(fall: float) -> _Peak:
+    """phi of a film whose ln(eta) falls by L >= 0 from its walls to its own temperature (see above)."""
+    if fall < _SMALL:
+        return _Peak(1.0 + 0.3 * fall, 0.3)
+    # Newton's method from above for w = 2c in ln(sinh w/w) = L, which is convex.
+    w, slope = fall + math.sqrt(6.0 * fall), 1.0
+    for _ in range(_STEPS):
+        slope = 1.0 / math.tanh(w) - 1.0 / w
+        change = (w + math.log(-0.5 * math.expm1(-2.0 * w) / w) - fall) / slope
+        w -= change
+        if abs(change) <= _CLOSE * w:
+            break
+    tangent = math.tanh(0.5 * w)
+    heat = 0.5 * w * tangent
+    growth = 0.5 * (tangent + 0.5 * w * (1.0 - tangent * tangent)) / slope
+    return _Peak(1.5 * fall / heat, 1.5 * (heat - fall * growth) / (heat * heat))
 
 
 @kernel
@@ -122,17 +157,22 @@ def heat_film(
     base = abs(boundary) * surfaces
     if film <= 0.0 or contact.sliding == 0.0:
         return HotFilm(0.0, base, base)
-    resistance = surfaces + per_area * film / (12.0 * cooling.oil_conductivity)
+    across = per_area * film / (12.0 * cooling.oil_conductivity)
+    share, resistance = pressed_share(0.25 * math.pi * pressure, fluid), surfaces
     low, rise, high = 0.0, 0.0, math.inf
     for step in range(_STEPS):
         found = _shear(base + rise, pressure, film, contact, fluid, thermal, traction)
+        hot = thin_by_heat(base + rise, fluid.viscosity, thermal)
+        warm = thin_by_heat(base + surfaces * found.force, fluid.viscosity, thermal)
+        peak = concentrate(share * max(warm.value - hot.value, 0.0))
+        resistance = surfaces + across * peak.factor
         made = resistance * found.force
         if step == 0:
             if made <= _COLD:
                 rise = made
                 break
             # Newton's for T - R F_v, which falls short where F_v is convex, as Newton's fluid's.
-            high, rise = made, made / (1.0 - resistance * found.slope)
+            high, rise = 3.0 * made, made / (1.0 - resistance * found.slope)
             continue
         if rise > made:
             high = rise
@@ -140,7 +180,10 @@ def heat_film(
             low = rise
         change = 0.5 * (low + high) - rise
         if made > 0.0:
-            by_newton = -math.log(rise / made) / (1.0 / rise - found.slope / found.force)
+            growth = across * peak.slope * share * (warm.slope * surfaces * found.slope - hot.slope)
+            by_newton = -math.log(rise / made) / (
+                1.0 / rise - found.slope / found.force - growth / resistance
+            )
             if low <= rise + by_newton <= high:
                 change = by_newton
         rise += change

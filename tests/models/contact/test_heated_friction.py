@@ -12,10 +12,18 @@ from scipy.special import k0e
 from models.catalogue import CATALOGUE
 from models.contact.fluid import Lubricant
 from models.contact.friction import Traction, viscous_friction
-from models.contact.heated_friction import Contact, Solid, build_cooling, conductance, heat_film
-from models.contact.rheology import Thermal
+from models.contact.heated_friction import (
+    Contact,
+    Solid,
+    build_cooling,
+    concentrate,
+    conductance,
+    heat_film,
+)
+from models.contact.rheology import Thermal, pressed_share, thin_by_heat
 
 from ..systems import outputs_of
+from .nahme import solve_nahme
 
 pytestmark = pytest.mark.plain
 
@@ -44,13 +52,15 @@ def heat(pressure, film, us, u=5.0, fluid=OIL, law=LAW, traction=None, boundary=
 
 @given(pressures, films, sliding, entraining, fluids, tractions, st.floats(0.0, 100.0))
 def test_the_heat_of_friction_is_what_both_bodies_conduct(p, h, us, u, fluid, traction, boundary):
-    """And the film's shear is what the parabola across it carries away at its mean rise."""
+    """And the film's shear is what crosses it at its rise over the surfaces."""
     found, cooling = heat(p, h, us, u, fluid, traction=traction, boundary=math.copysign(boundary, us))
     heat_made = abs(found.viscous * us) + abs(boundary * us)
     conducted = (cooling.body_1 + cooling.body_2) * AREA * found.surface_rise
     # Newton's last step is a relative 1e-9.
     assert conducted == pytest.approx(heat_made, rel=1e-8)
-    across = 12.0 * 0.14 / h * AREA * (found.film_rise - found.surface_rise)
+    surface, film = (thin_by_heat(r, fluid.viscosity, LAW).value for r in found[1:])
+    peak = concentrate(max(surface - film, 0.0) * pressed_share(0.25 * math.pi * p, fluid)).factor
+    across = 12.0 * 0.14 / h / peak * AREA * (found.film_rise - found.surface_rise)
     # The difference of the rises cancels where the film is thin.
     assert across == pytest.approx(
         abs(found.viscous * us), rel=1e-8, abs=1e-9 * 12.0 * 0.14 / h * AREA * found.film_rise
@@ -84,17 +94,29 @@ def test_without_heat_it_is_the_isothermal_friction(p, h, us, fluid, traction):
     assert slow.viscous == pytest.approx(viscous_friction(B, LENGTH, p, 1e-9, h, fluid, traction), rel=1e-6)
 
 
-@given(st.floats(1e-3, 30.0), films)
-def test_without_pressure_in_the_viscosity_the_rise_solves_one_equation(us, h):
-    """Constant law: T = R eta0 exp(c (theta^-S - 1)) u_s^2/h, with the closed form of every part."""
-    fluid = OIL._replace(viscosity_law=2.0)
-    found, cooling = heat(3e8, h, us, 5.0, fluid, traction=UNLIMITED)
-    resistance = 1.0 / (cooling.body_1 + cooling.body_2) + h / (12.0 * 0.14)
-    c, above = math.log(OIL.viscosity) + 9.67, LAW.temperature - 138.0
-    theta = 1.0 + found.film_rise / above
-    viscosity = OIL.viscosity * math.exp(c * (theta ** (-LAW.temperature_viscosity * above / c) - 1.0))
-    assert found.film_rise == pytest.approx(resistance * viscosity * us * us / h, rel=1e-7)
-    assert found.viscous == pytest.approx(viscosity * us / h * AREA, rel=1e-7)
+@pytest.mark.parametrize(("us", "error"), [(1.0, 1e-8), (30.0, 1e-3), (100.0, 0.02)])
+@pytest.mark.parametrize("h", [1e-7, 2e-6])
+def test_a_film_shears_as_nahmes(us, error, h):
+    """Without pressure in the viscosity, which falls less evenly than in the closed form: measured 7e-4 too
+    low at 30 m/s, 1.9 % at 100 m/s."""
+    found, _ = heat(3e8, h, us, 5.0, OIL._replace(viscosity_law=2.0), traction=UNLIMITED)
+    _, viscosity = solve_nahme(
+        us, found.surface_rise, 0.14,
+        lambda rise: OIL.viscosity * math.exp(thin_by_heat(rise, OIL.viscosity, LAW).value),
+    )  # fmt: skip
+    assert found.viscous == pytest.approx(viscosity * us / h * AREA, rel=error)
+
+
+@given(st.floats(1e-7, 30.0))
+def test_shear_gathers_in_the_middle_as_the_film_thins(c):
+    """phi of its definition, and the slope of its differences."""
+    fall, heated = math.log(math.sinh(2.0 * c) / (2.0 * c)), c * math.tanh(c)
+    found = concentrate(fall)
+    assert 1.0 <= found.factor < 3.0
+    assert found.factor == pytest.approx(1.5 * fall / heated if c > 1e-3 else 1.0, rel=1e-6)
+    if fall > 1e-3:
+        ahead, behind = (concentrate(fall * (1.0 + step)).factor for step in (1e-5, -1e-5))
+        assert found.slope == pytest.approx((ahead - behind) / (2e-5 * fall), rel=1e-4)
 
 
 @pytest.mark.parametrize(("peclet", "error"), [(0.1, 0.15), (3.0, 0.1), (30.0, 0.01), (300.0, 0.001)])
