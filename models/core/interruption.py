@@ -13,6 +13,7 @@ from types import FrameType
 # The signals since the outermost block began, and those of them that nobody has answered.
 came: list[int] = []
 _waiting: list[int] = []
+_at_once: list[bool] = []  # one for each block
 
 
 @contextmanager
@@ -39,10 +40,22 @@ def deferred() -> Iterator[None]:
             _waiting.clear()
 
 
+@contextmanager
+def at_once() -> Iterator[None]:
+    """In the block of a `deferred` one the first signal, too, is raised when it comes: where a call may never
+    return, and nothing that it does is kept."""
+    look()
+    _at_once.append(True)
+    try:
+        yield
+    finally:
+        _at_once.pop()
+
+
 def _note(number: int, frame: FrameType | None) -> None:
     came.append(number)
     _waiting.append(number)
-    if len(_waiting) > 1:
+    if len(_waiting) > 1 or _at_once:
         raise KeyboardInterrupt
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from models.core.interruption import at_once
 from models.core.system import Instance, System
 from models.core.words import tally
 
@@ -37,7 +38,8 @@ def try_fmu(path: Path) -> tuple[list[str], list[str]]:
         assert isinstance(component, ThirdPartyComponent)
         kind = "model exchange" if component.about.integrated else "co-simulation"
         try:
-            remarks += _make_steps(path, component)
+            with at_once():
+                remarks += _make_steps(path, component)
         except RunError as error:
             said, _, _ = str(error).removeprefix(f"{NAME}: ").partition("; look at")  # in a scenario
             faults.append(f"{kind}: {said}")

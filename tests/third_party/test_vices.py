@@ -212,6 +212,22 @@ def test_signals_end_a_command_whose_fmu_heeds_none(number, status, tmp_path):
 
 
 @posix
+def test_the_first_signal_ends_a_check_of_an_fmu_that_heeds_none(tmp_path):
+    """Nothing of it is kept, and the call could take ten minutes."""
+    mark, begins = tmp_path / "mark", ('startTime="0"', 'startTime="0.6"')
+    file = replace_text(fmu("deaf", 2, tmp_path), tmp_path / "later.fmu", *begins)
+    started = subprocess.Popen(
+        [sys.executable, "-m", "tribocosim", "fmu", "validate", str(file)],
+        stderr=subprocess.PIPE,
+        env=os.environ | {"MARK": str(mark)},
+        text=True,
+    )
+    wait_for(mark.exists)
+    started.send_signal(signal.SIGTERM)
+    assert (started.communicate(timeout=60)[1], started.returncode) == ("tribocosim: interrupted\n", 143)
+
+
+@posix
 def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path):
     before = list_children()
     found = completed(case(fmu("forking", 2, tmp_path), "own"), tmp_path / "out")
