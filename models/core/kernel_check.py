@@ -12,6 +12,7 @@ import difflib
 import dis
 import inspect
 import re
+import threading
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +35,10 @@ COLOUR = re.compile(r"\x1b\[\d*m")
 FRAMES = "Failed in", "During:", "File ", "def ", "^"
 # Names that a message lists.
 MOST = 30
+# How long (s) kernels may take for all points but the start: they take microseconds, as Python milliseconds.
+PATIENCE_S = 30.0
+# States, inputs and parameters.
+Point = tuple[Vector, Vector, Vector]
 
 
 def check_kernels(component: Component) -> None:
@@ -43,19 +48,51 @@ def check_kernels(component: Component) -> None:
     if faults := [fault for one in kernels for fault in one.list_faults()]:
         raise ModelError("\n".join(faults))
     try:
-        evaluate = _make_probe(component)
-        for number, point in enumerate(_choose_points(component)):
-            try:
-                with np.errstate(all="ignore"):  # as compiled code
-                    _check_results(component, evaluate, number, *point)
-            except (ArithmeticError, ValueError) as error:
-                # Python raises where compiled code has NaN.
-                if COMPILED or isinstance(error, ModelError):
-                    raise
+        evaluate, points = _make_probe(component), list(enumerate(_choose_points(component)))
+        _check_points(component, evaluate, points[:1])  # it compiles, which takes long
+        _check_in_time(component, evaluate, points[1:])
     except ModelError:
         raise
     except Exception as error:  # whatever the compiler raises
         raise ModelError(_explain(error, component, kernels)) from None
+
+
+def _check_points(component: Component, evaluate: Any, points: Iterable[tuple[int, Point]]) -> None:
+    for number, point in points:
+        try:
+            with np.errstate(all="ignore"):  # as compiled code
+                _check_results(component, evaluate, number, *point)
+        except (ArithmeticError, ValueError) as error:
+            # Python raises where compiled code has NaN.
+            if COMPILED or isinstance(error, ModelError):
+                raise
+
+
+def _check_in_time(component: Component, evaluate: Any, points: Sequence[tuple[int, Point]]) -> None:
+    """In a thread, which nothing but the end of the process ends if a kernel does not return."""
+    begun, failed = list[Point](), list[Exception]()
+
+    def note() -> Iterator[tuple[int, Point]]:
+        for number, point in points:
+            begun.append(point)
+            yield number, point
+
+    def check() -> None:
+        try:
+            _check_points(component, evaluate, note())
+        except Exception as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=check, daemon=True)
+    thread.start()
+    thread.join(PATIENCE_S)
+    if thread.is_alive():
+        raise ModelError(
+            f"a kernel does not return within {PATIENCE_S:g} s {_describe(component, *begun[-1])}; limit the "
+            "turns of its loops, for example by `while ... and turns < 100`: solvers try such values too"
+        )
+    if failed:
+        raise failed[0]
 
 
 @dataclass(frozen=True)
@@ -170,8 +207,8 @@ def _make_probe(component: Component) -> Any:
     return evaluate_with_events
 
 
-def _choose_points(component: Component) -> Iterator[tuple[Vector, Vector, Vector]]:
-    """States, inputs and parameters: those of the start, and others within their ranges."""
+def _choose_points(component: Component) -> Iterator[Point]:
+    """Those of the start, and others within their ranges."""
     random = np.random.default_rng(1)
     start = component.parameters.start
     for number in range(POINTS):

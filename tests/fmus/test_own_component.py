@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import tribocosim
 from models.catalogue import CATALOGUE, find_factory
+from models.core import kernel_check
 from models.core.kernel_check import check_kernels
 from orchestrator.scenario import build_scenario
 from orchestrator.scenario.system import build_system, list_moved_starts, resolve_start
@@ -164,6 +165,16 @@ def test_what_kernels_misspell_or_leave_out_is_named(slip, folder):
     assert right in CODE
     (folder / "my_parts.py").write_text(CODE.replace(right, wrong, 1) + HELPER, "utf-8")
     with pytest.raises(ValueError, match=said):
+        build_component(f"{folder / 'my_parts.py'}:pendulum")
+
+
+@pytest.mark.plain
+def test_a_loop_that_ends_for_some_states_only_is_named(folder, monkeypatch):
+    """Compiled code that does not return hears of no signal. Here it does, later than the check waits."""
+    monkeypatch.setattr(kernel_check, "PATIENCE_S", 0.1)
+    loop = "    turns = 0\n    while x.angle < 0.0 and turns < 3_000_000:\n        turns += 1\n"
+    (folder / "my_parts.py").write_text(CODE.replace(SPEED, loop + SPEED, 1), "utf-8")
+    with pytest.raises(ValueError, match=r"does not return within 0\.1 s with angle = -0\.\d+, .* limit"):
         build_component(f"{folder / 'my_parts.py'}:pendulum")
 
 
