@@ -44,6 +44,8 @@ def test_a_run_is_within_its_tolerance_and_opened_again(result: tribocosim.Resul
 def test_a_plan_is_run_and_stepped_as_often_as_wanted_with_the_same_bits() -> None:
     scenario = tribocosim.load("two-masses").with_({"stop_time": "50 ms", "reference.enabled": False})
     plan, single = tribocosim.plan(scenario), tribocosim.run(scenario)
+    with pytest.raises(tribocosim.MistakeError, match=r"^two-masses: no contact takes its sliding_velocity"):
+        single.friction()
     for _ in range(2):
         assert tribocosim.execute(plan).coupled.identical(single.coupled)
         with tribocosim.session(plan) as session:

@@ -44,7 +44,7 @@ def judge_friction(
         allowed = f": {one_of(cams, contact)} (those that slide under a cam)"
         raise MistakeError((Option("contact", contact), allowed))
     if not cams:
-        raise MistakeError(f"{folder}: no contact takes its sliding_velocity from a cam")
+        raise MistakeError(f"{scenario.name}: no contact takes its sliding_velocity from a cam")
     values = list_parameters(scenario)
     found = []
     for name in [contact] if contact else list(cams):
