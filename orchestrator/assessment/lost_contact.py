@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from models.compile.compiled import compiled
 from models.core.quantities import Vector
-from models.monolithic.cycle import STEADY, USABLE
 
 if TYPE_CHECKING:
     import xarray  # takes long to import
@@ -81,11 +80,15 @@ def find_lost(table: xarray.Dataset, number: str = "lost") -> NDArray[np.bool_]:
 
 def find_unsteady(table: xarray.Dataset) -> Vector:
     """The speeds (rad/s) at which no steady cycle was found."""
+    from models.monolithic.cycle import STEADY  # with scipy's integrators, which a run does without
+
     return np.asarray(table["speed"].values[table["change"].values > STEADY] if "change" in table else [])
 
 
 def find_rippled(table: xarray.Dataset) -> NDArray[np.bool_]:
     """By speed, whether a period changes the motion so much that its figures are none of a cycle."""
+    from models.monolithic.cycle import USABLE
+
     return np.asarray(table["change"].values > USABLE) if "change" in table else find_lost(table) & False
 
 

@@ -308,6 +308,14 @@ def test_importing_the_command_line_imports_nothing_slow():
     assert done.stdout.strip() == "[]"
 
 
+def test_a_run_imports_nothing_that_solves_references():
+    """Half a second of processor time, of the two that a run of two small FMUs takes."""
+    slow = ("scipy.integrate", "scipy.optimize", "scipy.special", "sksundae", "pint")
+    code = f"import sys, orchestrator.run.pipeline; print([m for m in {slow} if m in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT)
+    assert done.stdout.strip() == "[]"
+
+
 @pytest.fixture
 def ctrl_c():
     """Ctrl-C interrupts, also in a suite that was started in the background, where it is ignored."""
