@@ -33,7 +33,7 @@ from orchestrator.study.design.limits import (
     Model,
     closing_limit,
     duration_limit,
-    film_limit,
+    film_limits,
     find_sizes,
     gap_limit,
     kinematic_limits,
@@ -143,18 +143,36 @@ def test_a_film_stays_where_no_tangent_foresees_a_new_reversal() -> None:
     entraining = lobe.touch(lobe.own, lobe.kind.geometry).entraining
     ratios = np.ones(lobe.angles.size)
     answer = answer_of(ratios, ratios, np.zeros((ratios.size, 24)))
-    limit = film_limit("film", "load", 1.0, 0.5, ratios, entraining)
+    film = list(film_limits("here", "load", 1.0, 0.5, ratios, entraining))
     reverses = np.flatnonzero(np.diff(np.sign(entraining)))
     away = np.abs(np.arange(ratios.size)[:, None] - reverses).min(axis=1, initial=ratios.size) > 10
     sizes = find_sizes(lobe, lobe.own, lobe.kind.geometry, 1.0)
     limits = list(kinematic_limits({"largest_lift": sizes["largest_lift"]}, 1.0, 20e-3))
     shares = []
-    for more in ([], [limit]):
+    for more in ([], film):
         found = optimise(build_model(lobe, [*limits, *more], {1.0: answer}), lobe.start)
         there = lobe.touch(lobe.curve(found.unknowns), lobe.kind.geometry).entraining
         shares.append(float((there / entraining)[away].min()))
     assert shares[0] < 0.2
     assert shares[1] == pytest.approx(0.5 ** (1.0 / 0.7), abs=1e-3)
+
+
+def test_a_film_at_its_limit_is_foreseen_from_its_own_cam() -> None:
+    """The derivatives of both its limits hold at the cam of the cycle, to any side."""
+    lobe = build_lobe(count=24)
+    entraining = lobe.touch(lobe.curve(lobe.start), lobe.kind.geometry).entraining
+    ratios = 0.5 + 0.0 * lobe.angles
+    random = np.random.default_rng(1)
+    answer = answer_of(ratios, ratios, random.normal(size=(ratios.size, 24)))
+    model = build_model(lobe, list(film_limits("here", "load", 1.0, 0.5, ratios, entraining)), {1.0: answer})
+    x, step = lobe.start, 1e-7 * random.normal(size=24)
+    here = model.evaluate(x)
+    for side in (-1.0, 1.0):
+        there = model.evaluate(x + side * step)
+        for one, other in zip(here.limits, there.limits, strict=True):
+            np.testing.assert_allclose(
+                other.excess - one.excess, side * one.gradient @ step, rtol=1e-2, atol=1e-9
+            )
 
 
 def test_a_dip_of_the_film_that_moves_with_its_reversal_keeps_its_depth() -> None:
@@ -309,6 +327,10 @@ def test_a_designed_lift_falls_nowhere_before_its_nose(tmp_path: Path) -> None:
     sizes = find_own_limits(train, Limits(), speed)
     search = Search(train, Wanted(sizes, {}, {}, 0.0, [speed], []), np.zeros((0, 2)), speed, 1.0, print)
     x = search.begin()
+    # Further starts of a search keep the limits too.
+    for start in (search.draw(x, 0.025, random) for random in map(np.random.default_rng, range(2))):
+        assert not search.own_excesses(start)
+        assert np.abs(start - x).max() > 0.02 * lobe.own.s.max()
     for side in (-1.0, 1.0):
         high, low = lobe.bumps.at(math.pi + side * np.radians([75.0, 67.5]))
         best = search.solve(search.own_model(x, Line("valley", 0.0, high - low, 0.0 * x)), x, 0.05, 1)

@@ -202,26 +202,33 @@ def pressure_limit(
     return Limit(name, most, excess, column, speed)
 
 
-def film_limit(
-    name: str, column: str, speed: float, least: float, ratios: Vector, entraining: Vector
-) -> Limit:
+def film_limits(
+    at: str, column: str, speed: float, least: float, ratios: Vector, entraining: Vector
+) -> Iterator[Limit]:
     """The contact keeps at least this film over roughness, of which `ratios` are a cycle's (nan: none).
 
     Around a reversal of the entraining velocity (m/rad, of the cycle's cam) only the thinnest place counts:
     it may move without harm. Elsewhere the film also follows the velocity of the new cam, by POWER, so that
-    no new reversal is made: there no tangent foresees it.
+    no new reversal is made: there no tangent foresees it. These are limits of their own: both are equal at
+    the cycle's cam, where the lower one has no derivative.
     """
     thin = find_dips(ratios)
     turns = np.diff(np.sign(entraining), append=np.sign(entraining[-1])) != 0.0
     steady = np.isfinite(ratios) & (np.convolve(turns, np.ones(2 * FINE + 1), "same") < 0.5)
     before = np.where(steady, entraining, 1.0)
 
-    def excess(state: State, size: float) -> Vector:
+    def follow(state: State, size: float) -> Vector:
         share = np.where(steady, np.maximum(0.0, state.touch.entraining / before), 1.0)
-        low = np.where(steady, np.minimum(state.low, ratios * share**POWER), state.low)
-        return np.where(thin | steady, 1.0 - low / size, -1.0)
+        return np.where(steady, 1.0 - ratios * share**POWER / size, -1.0)
 
-    return Limit(name, least, excess, column, speed)
+    yield Limit(
+        f"film ratio {at}",
+        least,
+        lambda q, size: np.where(thin | steady, 1.0 - q.low / size, -1.0),
+        column,
+        speed,
+    )
+    yield Limit(f"film ratio by velocity {at}", least, follow)
 
 
 @dataclass(frozen=True)

@@ -192,9 +192,10 @@ def design(
             wanted = find_wanted(asked, train, cycles, separation)
             speeds = [*wanted.idle, *wanted.speeds, *(BELOW * speed for speed in wanted.kept[:1])]
             before = Check(separation, {speed: cycles[speed] for speed in speeds})
+            own = {speed: cycles[speed] for speed in (*speeds, *wanted.kept)}
         for file in held:
             file.unlink()
-        reporter.notice(describe_clashes(before.motions, "with the scenario's own cam"))
+        reporter.notice(describe_clashes(own, "with the scenario's own cam"))
         reporter.line(_introduce(wanted, train.subject.flywheel))
         area = float(np.trapezoid(train.lobe.own.s - train.lobe.ramps.s, train.lobe.angles))
         top = max((*wanted.speeds, *wanted.kept)) * train.ratio

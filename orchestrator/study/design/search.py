@@ -9,7 +9,7 @@ speed that keeps contact, by the square of the speed.
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,38 +25,28 @@ from ..speeds.figure_slopes import differentiate_figures
 from ..speeds.separation import is_separated
 from ..speeds.subject import to_motion
 from .answers import Answer, differ_by_speed, go_on
-from .figures import AREA, LEAST, SEPARATION, bound_lines, read_figures
+from .figures import AREA, bound_lines, read_figures
 from .files import SCENARIO
 from .limits import (
     SMALL_GAP,
     Limit,
     Model,
-    closing_limit,
-    duration_limit,
-    film_limit,
-    flank_limit,
+    film_limits,
     gap_limit,
-    kinematic_limits,
     load_limit,
     pressure_limit,
 )
-from .slp import Active, Line, Optimum, Problem, maximise
-from .train import DesignedTrain
-from .wanted import CONFIRMED, Found, Improved, Wanted, describe, describe_beyond
+from .shaping import Shaping
+from .slp import Active, Line
+from .wanted import CONFIRMED, Found, Improved, describe
 
 # Of the largest lift: the box of the coefficients at first, at most, and where the search ends.
 BOX, LARGEST, SMALLEST = 0.05, 0.15, 2e-3
 SHORTER, LONGER, MOST_ROUNDS = 0.35, 2.0, 40
-# Boxes in which a first lift is looked for that keeps the limits of the cam itself: it needs no cycles.
-MOVES = (5e-3, 1.5e-2, 5e-2, 0.15, 0.5, 1.5)
-# A round that adds less of the objective is the last.
-LITTLE = 5e-4
+# A round that adds less of the objective is the last, in a small box such a number of them on end.
+LITTLE, FEW = 5e-4, 3
 # A limit with more than this share left does not hold a cam.
 NEAR = 0.02
-# Weights of the jerk in a first lift; the largest takes 3 % of the area.
-SMOOTHINGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
-# Further starts differ by up to this part of the box.
-SPREAD = 0.5
 # Where contact is lost, lower speeds are tried in such steps, and then between the last two: to 0.2 %.
 LOWER, MOST_LOWER, HALVINGS = 0.97, 8, 4
 # The scale of a figure whose limit is 0.
@@ -85,24 +75,8 @@ Best = Callable[[Found, Mapping[float, Seen]], None]
 
 
 @dataclass(frozen=True)
-class Search:
-    """A train with the limits that its cam must keep. `bounds` are those of the parameters (rows).
-
-    Where the speed of separation is wanted, the last unknown is the logarithm of its factor.
-    """
-
-    train: DesignedTrain
-    wanted: Wanted
-    bounds: Vector
-    cam_speed: float
-    area0: float
-    tell: Callable[[str], None]
-    starts: int = 1
-    seed: int = 1
-
-    @property
-    def stretched(self) -> bool:
-        return self.wanted.objective.name == SEPARATION
+class Search(Shaping):
+    """The search with cycles of the train, and the limits that these must keep."""
 
     @property
     def measured(self) -> list[str]:
@@ -128,36 +102,11 @@ class Search:
     def all_speeds(self, x: Vector) -> list[float]:
         return sorted({*self.wanted.idle, *self.wanted.speeds, *self.kept(x)})
 
-    @property
-    def scale(self) -> Vector:
-        """Sizes of the unknowns: the largest lift, the range of each parameter, and that of speeds."""
-        lift = float(self.train.lobe.own.s.max())
-        stretch = [1.0] * self.stretched
-        return np.array([*[lift] * self.train.lobe.count, *np.ptp(self.bounds, axis=1), *stretch])
-
     def is_lost(self, cycle: Cycle) -> bool:
         return is_separated(self.to_motion(cycle), "lost")
 
     def to_motion(self, cycle: Cycle) -> Motion:
         return to_motion(cycle, self.train.subject.flywheel)
-
-    def begin(self) -> Vector:
-        """The scenario's cam in bumps, with as little less jerk as the limits of the cam itself need: corners
-        of its acceleration ring in bumps. Where that is not enough, moved to where it keeps them, no farther
-        than needed. Where no lift keeps them, that is told."""
-        lobe, given = self.train.lobe, [*self.train.given.values(), *[0.0] * self.stretched]
-        for smoothing in SMOOTHINGS:
-            x = np.append(lobe.near(smoothing), given)
-            if not self.own_excesses(x):
-                return x
-        x = np.append(lobe.start, given)
-        free = self.own_model(x, Line("", 0.0, np.zeros(x.size), x))
-        for box in MOVES:
-            if (found := self.solve(free, x, box, 1)).feasible:
-                return found.unknowns
-        if beyond := describe_beyond(self.own_excesses(found.unknowns)):
-            self.tell(f"no lift was found within the limits of the cam; the nearest is beyond {beyond}")
-        return found.unknowns
 
     def improve(self, kept: Vector | None, best: Best) -> Improved:
         """Rounds of cycles and optima from what a search has `kept`, else from the own cam; `best` gets
@@ -172,7 +121,7 @@ class Search:
             self.tell("it breaks limits itself: the first rounds look for a cam that keeps them all")
         best(found, seen)
         accepted = model = self.model(start, seen)
-        box, refused = BOX, 0
+        box, refused, small = BOX, 0, 0
         own = model.objective.gradient[self.train.lobe.count :]
         for name, slope in zip(self.train.parameters, own, strict=False):
             if slope == 0.0 and self.wanted.objective.is_figure:
@@ -182,25 +131,27 @@ class Search:
             x = self.solve(model, found.unknowns, box, self.starts if number == 1 else 1).unknowns
             # A box within a refused step does not hold the same optimum again.
             shorter = SHORTER * min(box, float(np.max(np.abs(x - found.unknowns) / self.scale)))
+            gain, cycles = 0.0, {}
             try:
-                seen = self.look(x)
-                here = self.judge(x, seen)
-                gain = here.rank - found.rank
+                cycles = self.look(x)
+                here = self.judge(x, cycles)
+                said, gain = describe(here, self.wanted.objective), here.rank - found.rank
                 if gain > 0.0:
-                    accepted = model = self.model(x, seen)
+                    accepted = model = self.model(x, cycles)
             except ModelError as error:
-                self.tell(f"round {number} refused: no cycles ({error}); a smaller step is tried")
-                box, refused = shorter, refused + 1
-                continue
-            said = describe(here, self.wanted.objective)
+                said, gain, cycles = f"no cycles ({error})", 0.0, {}
             if gain > 0.0:
                 self.tell(f"round {number}: {said}")
+                small = small + 1 if gain <= LITTLE else 0
+                # In a smaller box a round adds little where another may add more.
+                done = small == FEW or (small > 0 and box >= BOX)
                 box, found, refused = min(LARGEST, LONGER * box), here, 0
-                best(found, seen)
+                best(found, cycles)
             else:
                 self.tell(f"round {number} refused: {said}; a smaller step is tried")
-                model, box, refused = self.correct(model, x, seen), shorter, refused + 1
-            if 0.0 < gain <= LITTLE or box < SMALLEST:
+                model = self.correct(model, x, cycles) if cycles else model
+                box, refused, done = shorter, refused + 1, shorter < SMALLEST
+            if done:
                 break
         ended = f"the search ended because its steps became too small (refused rounds at last: {refused})"
         trapped = refused > 0 and box < SMALLEST
@@ -281,44 +232,6 @@ class Search:
         beyond = {name: excess for name, excess in excesses.items() if excess > CONFIRMED}
         return Found(x, reached, beyond | self.own_excesses(x), area.value)
 
-    def own_excesses(self, x: Vector) -> dict[str, float]:
-        """The limits of the cam itself that it exceeds, each with the share."""
-        lobe = self.train.lobe
-        own = self.own_model(x, self.area_line(x))
-        excesses = zip(own.limits, own.excesses(x, lobe.curve(x[: lobe.count])), strict=True)
-        return {limit.name: float(most) for limit, one in excesses if (most := one.max()) > CONFIRMED}
-
-    def own_model(self, x: Vector, objective: Line) -> Model:
-        """Of the cam alone."""
-        return Model(
-            self.train.lobe, list(self.own_limits(x)), {}, x, self.geometry, self.scale, objective,
-            stretched=self.stretched,
-        )  # fmt: skip
-
-    def area_line(self, x: Vector) -> Line:
-        lobe, gradient = self.train.lobe, np.zeros(x.size)
-        gradient[: lobe.count] = lobe.bumps.areas / self.area0
-        return Line("least_lift_area", float(gradient @ x), gradient, x, self.wanted.area, LEAST)
-
-    def own_limits(self, x: Vector) -> Iterator[Limit]:
-        lobe = self.train.lobe
-        base = self.geometry(x).base_radius
-        yield from kinematic_limits(self.wanted.sizes, self.cam_speed, base)
-        yield closing_limit(lobe.ramps, float(lobe.own.s.max()))
-        yield flank_limit(lobe.own)
-        if "largest_duration" in self.wanted.sizes:
-            yield duration_limit(lobe.angles, self.wanted.sizes["largest_duration"])
-
-    def geometry(self, x: Vector) -> Any:
-        """The follower's, with the parameters among the unknowns."""
-        geometry, changed = self.train.lobe.kind.geometry, {}
-        for name, value in self.train.values(x).items():
-            part, _, parameter = name.partition(".")
-            field = {"follower_radius": "radius"}.get(parameter, parameter)
-            if part == self.train.cam and field in geometry._fields:
-                changed[field] = value
-        return geometry._replace(**changed)
-
     def model(self, x: Vector, seen: Mapping[float, Seen]) -> Model:
         """The limits, with the answers and figures around `x`."""
         lobe, limits, lines = self.train.lobe, list(self.own_limits(x)), list[Line]()
@@ -393,21 +306,6 @@ class Search:
                 yield pressure_limit(word, column, speed, most, stiffness, arc if name == first else None)
         if wanted.film and speed not in wanted.idle:
             ratios = self.train.film_ratios(answer.cycle.__getitem__)
-            yield film_limit(
-                f"film ratio {at}", f"{first}.film_ratio", speed, wanted.film, ratios, touch.entraining
-            )
+            yield from film_limits(at, f"{first}.film_ratio", speed, wanted.film, ratios, touch.entraining)
         for name, gap in wanted.gaps.items():
             yield gap_limit(f"coil bind of {name} {at}", f"{name}.least_gap", speed, gap)
-
-    def solve(self, model: Model, x: Vector, box: float, starts: int) -> Optimum:
-        """The best optimum of the model within the box around `x`, from `starts` places in it."""
-        reach = box * self.scale
-        low, high = x - reach, x + reach
-        count = self.train.lobe.count
-        among = slice(count, count + len(self.bounds))
-        low[among] = np.maximum(low[among], self.bounds[:, 0])
-        high[among] = np.minimum(high[among], self.bounds[:, 1])
-        problem = Problem(model.evaluate, low, high, self.scale)
-        places = np.random.default_rng(self.seed).uniform(-1.0, 1.0, (starts, x.size)) * SPREAD * reach
-        places[0] = 0.0
-        return max((maximise(problem, x + one) for one in places), key=lambda one: one.local.merit)
