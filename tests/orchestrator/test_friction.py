@@ -15,7 +15,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from models.core.remedies import find_actions
 from orchestrator.assessment.friction import judge
 from orchestrator.assessment.friction.cycle import OF_CAM, OF_CONTACT, Cycle, last_revolution, summarise, wear
-from orchestrator.assessment.friction.judge import find_sliding, judge_friction, judge_losses, measure_others
+from orchestrator.assessment.friction.judge import (
+    find_sliding,
+    judge_friction,
+    judge_losses,
+    list_soft,
+    measure_others,
+    remark_soft,
+)
 from orchestrator.assessment.friction.losses import (
     BEARING,
     BORE,
@@ -319,6 +326,17 @@ def test_contacts_elsewhere_than_under_a_cam_are_listed(scenario: str, rubbing: 
     cells = [*zip(*(column.cells for column in tabulate_others(found, 1e8).columns), strict=True)]
     powers = ("", "") if math.isnan(rubbing) else ("10", "0.05")
     assert cells == [(name, *powers, "10", "0.025", "2") for name in found]
+
+
+def test_soft_default_asperities_are_said_where_the_film_is_thinner_than_the_roughness() -> None:
+    """Those that a scenario gives are its own."""
+    own = ["components.valve_contact.parameters.asperity_slope=0.01"]
+    thin = {"cam_contact": 0.28, "valve_contact": 0.025}
+    assert list_soft(build_system(load("finger-follower")), thin | {"cam_contact": 1.1}) == ["valve_contact"]
+    (said,) = remark_soft(list_soft(build_system(load("finger-follower", own)), thin))
+    assert said.startswith("cam_contact: ")
+    assert "set roughness_parameter and asperity_slope" in said
+    assert not list(remark_soft([]))
 
 
 @pytest.mark.parametrize(

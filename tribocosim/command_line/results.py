@@ -120,7 +120,13 @@ def print_friction(
 
     Of a sweep over speed, or of the designs in its folder, report the friction of the whole train by shares.
     """
-    from orchestrator.assessment.friction.judge import judge_friction, judge_losses, measure_others
+    from orchestrator.assessment.friction.judge import (
+        judge_friction,
+        judge_losses,
+        list_soft,
+        measure_others,
+        remark_soft,
+    )
     from orchestrator.assessment.friction.report import remarks, tables, tabulate, tabulate_others, write
     from orchestrator.assessment.friction.shares import remark_losses, tabulate_losses
     from orchestrator.errors import MistakeError, Option
@@ -153,6 +159,10 @@ def print_friction(
             reporter.line(line)
     if others:
         reporter.console.print(tabulate_others(others, turns))
+    ratios = {one.cycle.contact: one.summary["least_film_ratio"] for one in found}
+    ratios |= {name: numbers["least_film_ratio"] for name, numbers in others.items()}
+    for line in remark_soft(list_soft(motion.system, ratios)):
+        reporter.line(line)
     reporter.console.print(tabulate_losses(losses))
     for line in remark_losses(losses, motion):
         reporter.line(line)
@@ -180,6 +190,7 @@ def _report_sweeps(
 
     if (folder / RESULT).exists() or not folder.is_dir():
         return False
+    from orchestrator.assessment.friction.judge import remark_soft
     from orchestrator.assessment.friction.losses import describe_content
     from orchestrator.study.speeds import friction
 
@@ -210,6 +221,8 @@ def _report_sweeps(
         if one.unsteady.size:
             speeds = ", ".join(f"{speed:.0f}" for speed in one.unsteady)
             reporter.line(f"{one.design}: no steady cycle at {speeds} r/min; left out")
+    for line in remark_soft(list(dict.fromkeys(name for one in sheets for name in one.soft))):
+        reporter.line(line)
     if table:
         with writing(table, "table"):
             friction.write_sheets(sheets, table)

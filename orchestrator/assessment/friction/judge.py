@@ -1,6 +1,7 @@
 """Friction and wear of a run's contacts over a cam revolution, from its output folder."""
 
 import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,11 +19,14 @@ from ...store.output_folder import RESULT, SCENARIO, find_remedy, refuse_missing
 from ...store.result_file import open_result
 from ..merits import read_motion
 from ..motion import Motion, Part
-from ..trains import find_cams, find_law, find_trains, list_parts
+from ..trains import find_cams, find_law, find_trains, list_parts, parameter_of
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
 from .losses import POWER, list_losses
 from .report import OTHERS, Judged
 from .shares import Losses, measure_losses
+
+# Of a contact: what says how stiff its asperities are.
+ASPERITIES = ("roughness_parameter", "asperity_slope")
 
 
 def judge_friction(
@@ -91,6 +95,27 @@ def measure_others(motion: Motion, coefficient: float) -> dict[str, dict[str, fl
         )
         found[name] = dict(zip(OTHERS, numbers, strict=True))
     return found
+
+
+def list_soft(system: System, ratios: Mapping[str, float]) -> list[str]:
+    """The contacts whose film ratio is below 1, and whose asperities are the default ones."""
+    found = []
+    for name, ratio in ratios.items():
+        instance = system.instances[name]
+        fields = [field for field in instance.component.parameters.fields if field.name in ASPERITIES]
+        if ratio < 1.0 and fields and all(parameter_of(instance, one.name) == one.start for one in fields):
+            found.append(name)
+    return found
+
+
+def remark_soft(names: Sequence[str]) -> Iterator[str]:
+    """A sentence on such contacts; none without any."""
+    if names:
+        yield (
+            f"{', '.join(names)}: the film is thinner than the roughness, and the asperities are the default "
+            "ones, which are soft and bear little. With those of measured surfaces friction and wear may be "
+            f"larger: set {' and '.join(ASPERITIES)} of the contact"
+        )
 
 
 def _load_scenario(folder: Path) -> Scenario:

@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from models.core.quantities import Vector
-from models.core.roles import Drive
+from models.core.roles import Contact, Drive
 from models.monolithic.cycle import STEADY
 
+from ...assessment.friction.judge import list_soft
 from ...assessment.friction.losses import SHARES, list_losses, name_outside
 from ...assessment.trains import list_parts
 from ...errors import MistakeError
@@ -36,7 +37,7 @@ class Sheet:
     `whole` has the friction outside the motion too.
 
     `unsteady` are speeds at which no steady cycle was found: they have no means and are left out. `outside`
-    names the friction that what the drive gives does not contain.
+    names the friction that what the drive gives does not contain, `soft` are the contacts of `list_soft`.
     """
 
     design: str
@@ -46,6 +47,7 @@ class Sheet:
     whole: Vector
     unsteady: Vector
     outside: str
+    soft: Sequence[str] = ()
 
     @property
     def total(self) -> Vector:
@@ -76,7 +78,10 @@ def read_sheet(folder: Path) -> Sheet:
         torques[loss.share] = torques.get(loss.share, 0.0) + torque
         whole = whole if loss.acts else whole + torque
     unsteady, outside = RPM * every["speed"].values[~steady], name_outside(list_losses(system))
-    return Sheet(folder.name, RPM * speed, torques, given, whole, unsteady, outside)
+    films = {name: f"{name}.least_film_ratio" for name in list_parts(system, Contact)}
+    ratios = {name: float(table[film].min()) for name, film in films.items() if film in table}
+    soft = list_soft(system, ratios)
+    return Sheet(folder.name, RPM * speed, torques, given, whole, unsteady, outside, soft)
 
 
 def _list_shares(sheets: Sequence[Sheet]) -> list[str]:

@@ -14,6 +14,7 @@ from models.monolithic.cycle import STEADY
 from models.valve_train.worn_cam import FINEST, PLACES
 
 from ...assessment.figures_of_merit import CONTACT
+from ...assessment.friction.judge import list_soft, remark_soft
 from ...errors import Option, Words
 from ...scenario.files import to_full_toml
 from ...scenario.lift_table import format_lifts
@@ -101,6 +102,8 @@ def remark(history: History, interval: Interval, tolerance: float) -> Iterator[W
     )
     if train.load == "load":
         yield "the surfaces are smooth: all of the load wears, not only that of asperities"
+    thin = fresh.rubbed.numbers["least_film"] < train.parameter("roughness")
+    yield from remark_soft(list_soft(train.system, {train.contact: 0.0} if thin else {}))
     if train.follower_wears:
         yield f"the cam has lost {1e3 * float(last.state[CAM].max()):.3g} mm then"
     else:
