@@ -2,6 +2,7 @@
 
 import csv
 import html
+from dataclasses import replace
 from io import StringIO
 from types import SimpleNamespace
 
@@ -24,6 +25,7 @@ from orchestrator.scenario.files import load, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.store.output_folder import RESULT, STORE
 from orchestrator.study.speeds import separation
+from orchestrator.study.speeds import subject as speeds_subject
 from orchestrator.study.speeds.compare import Choice, find_worst, parse_choice, select_speeds
 from orchestrator.study.speeds.separation import RPM
 from orchestrator.study.speeds.subject import SpeedSubject, describe_numbers
@@ -325,6 +327,32 @@ def test_a_second_film_formula_is_sought_from_where_contact_is_lost_first(monkey
     assert separation.find_second(*usual).text.endswith(
         "was found: at 3300 r/min no rest; choose another --second-film"
     )
+
+
+def test_without_an_equilibrium_a_second_film_begins_with_the_cycle_of_the_first(monkeypatch):
+    """The first one's own failure stays one."""
+    begun = []
+
+    def resolve(scenario, system):
+        if scenario.components["contact"].parameters["film_model"] == "moes_venner":
+            raise ModelError("no equilibrium")
+        return system
+
+    def find_cycle(system, period, turning, start, samples, **options):
+        begun.append(start)
+        return SimpleNamespace(end=[period])
+
+    monkeypatch.setattr(speeds_subject, "resolve_start", resolve)
+    monkeypatch.setattr(speeds_subject, "find_cycle", find_cycle)
+    film = "components.contact.parameters.film_model"
+    first, second = (
+        SpeedSubject(read_changed("valve-train", [f"{film}={name}"]), "flywheel")
+        for name in ("dowson_toyoda", "moes_venner")
+    )
+    replace(second, near=first).find_cycle_at(100.0)
+    assert begun == [None, [2.0 * np.pi / 100.0]]
+    with pytest.raises(ModelError, match="no equilibrium"):
+        second.find_cycle_at(100.0)
 
 
 @pytest.mark.long

@@ -214,7 +214,8 @@ def find_second(
     They are tried from where contact was lost first: where it is then kept upwards, else downwards.
     """
     films = {f"{name}.film_model": film for name in _list_films(subject)}
-    second = replace(subject, tables=put_parameters(subject.tables, films), folder=None)
+    alone = replace(subject, folder=None)
+    second = replace(alone, tables=put_parameters(subject.tables, films), near=alone)
     count = (1 + bool(first.nose_speed)) * (2 + _count_halvings(speeds))
 
     def find(is_lost: Callable[[float, str], bool], number: str, first_speed: float | None) -> float | None:

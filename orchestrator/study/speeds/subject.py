@@ -53,13 +53,18 @@ KEPT = (
 
 @dataclass(frozen=True)
 class SpeedSubject(NumberedSubject):
-    """The tables of a scenario, the name of its flywheel, and the folder for the cycles (None: not kept)."""
+    """The tables of a scenario, the name of its flywheel, and the folder for the cycles (None: not kept).
+
+    At speeds without an equilibrium to begin with its cycles begin at those of the subject `near`, which has
+    the same components.
+    """
 
     axis, display_unit = SPEED, "rpm"
 
     tables: Mapping[str, Any]
     flywheel: str
     folder: str | None = None
+    near: "SpeedSubject | None" = None
 
     @functools.cached_property
     def scenario(self) -> Scenario:
@@ -77,17 +82,26 @@ class SpeedSubject(NumberedSubject):
 
     def system_at(self, speed: float) -> System:
         """The system that turns at this speed (rad/s), in balance; ModelError if it has none."""
-        ends = {f"{self.flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
-        scenario = build_scenario(put_parameters(self.tables, ends))
+        scenario = self._turn(speed)
         return resolve_start(scenario, build_system(scenario))
+
+    def _turn(self, speed: float) -> Scenario:
+        ends = {f"{self.flywheel}.{name}": speed for name in ("initial_speed", "final_speed")}
+        return build_scenario(put_parameters(self.tables, ends))
 
     def find_cycle_at(
         self, speed: float, tolerance: float = TOLERANCE, steady: float = LARGEST_CHANGE
     ) -> Cycle:
         """The cycle at this speed (rad/s); tolerance and largest change as `find_cycle` takes them."""
-        system, turning = self.system_at(speed), [f"{self.flywheel}.angle"]
-        period = find_period(system, speed)
-        return find_cycle(system, period, turning, samples=SAMPLES, tolerance=tolerance, steady=steady)
+        start = None
+        try:
+            system = self.system_at(speed)
+        except ModelError:
+            if self.near is None:
+                raise
+            system, start = build_system(self._turn(speed)), self.near.find_cycle_at(speed).end
+        period, turning = find_period(system, speed), [f"{self.flywheel}.angle"]
+        return find_cycle(system, period, turning, start, SAMPLES, tolerance=tolerance, steady=steady)
 
     def find_motion_at(self, speed: float) -> Motion:
         """The cycle at this speed (rad/s)."""
