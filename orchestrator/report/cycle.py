@@ -11,6 +11,7 @@ from typing import Any
 from models.contact.oils import ZERO_CELSIUS
 from models.core import roles
 from models.core.component import Component
+from models.core.system import System
 
 from ..assessment.springs import find_clearance, list_springs
 from ..assessment.trains import LIFTED, find_trains
@@ -61,7 +62,7 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
     """What the page says, and its content."""
     component, name = train.component, train.scenario.name
     names = list(component.outputs.names)
-    angle = next((n for n in names if n.endswith(".cam_angle")), "")
+    angle = find_abscissa(build_system(train.scenario), names)
     sketches = list_sketches(train.scenario, names)
     cycle = _tell_train(train, f"{train.flywheel}.angle")
     bases = [{"rows": SAMPLES + 1, "stretch": 1, "begin": 0.0, "every": 1.0, "end": float(SAMPLES)}]
@@ -71,6 +72,13 @@ def collect_cycle(train: Train) -> tuple[dict[str, Any], dict[str, Any]]:
     title, command = f"{name}: steady cycle", cycle["command"]
     said = {"name": name, "title": title, "kind": "", "verdict": "computing", "command": command}
     return said, content
+
+
+def find_abscissa(system: System, names: Sequence[str]) -> str:
+    """The first cam's angle among the names, "" for none: a finger's is that of its profile."""
+    profiles = (train.angle.source for train in find_trains(system))
+    angles = [name for name in names if name.endswith(".cam_angle")]
+    return next((name for name in (*angles, *profiles) if name in names), "")
 
 
 def _describe(name: str, quantity: Any) -> dict[str, Any]:

@@ -55,6 +55,8 @@ def test_the_build_of_a_native_fmu_says_what_it_waits_for(tmp_path, monkeypatch)
     build = ("fmu", "build", "coupled_mass", "--native", "--out", str(tmp_path))
     assert said(called(*build)) == "tribocosim: building the native FMU coupled_mass (once; up to minutes)"
     assert not called(*build).stderr
+    part = called("fmu", "build", "first", "--scenario", "two-masses", "--native", "--out", str(tmp_path))
+    assert said(part) == "tribocosim: building the native FMU first of two-masses (once; up to minutes)"
     steps: list[str] = []
     native.build(
         "coupled_mass", tmp_path, platforms=["x86_64-linux", "x86_64-windows"], progress=steps.append

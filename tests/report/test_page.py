@@ -23,6 +23,7 @@ import tribocosim
 from models.core.quantities import Quantity
 from orchestrator.report import write_report
 from orchestrator.report.content import rank_variables
+from orchestrator.report.cycle import find_abscissa
 from orchestrator.report.mechanism import list_sketches
 from orchestrator.report.packing import COARSE, DIVISIONS, PRECISE, bucket, pack, pack_detail, pack_exactly
 from orchestrator.report.sketch import Sketch
@@ -378,6 +379,20 @@ def place(one: Sketch, shape: dict[str, Any], values: dict[str, float]) -> np.nd
         dy = sum(fy * values.get(name, 0.0) for name, _, fy in own.get("shift", ()))
         points.append((a + c * (x - a) - s * (y - b) + dx, b + s * (x - a) + c * (y - b) + dy))
     return np.array(points)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "angle"),
+    [
+        ("valve-train", "camshaft.cam_angle"),
+        ("finger-follower", "finger.profile_angle"),
+        ("pushrod-train", "tappet.profile_angle"),
+        ("slider-crank", ""),
+    ],
+)
+def test_cycles_are_drawn_over_the_angle_of_a_cam(scenario: str, angle: str) -> None:
+    system = build_system(load(list_shipped()[scenario]))
+    assert find_abscissa(system, system.outputs.names) == angle
 
 
 @pytest.mark.parametrize("angle", [2.2, 2.8, math.pi, 3.6])

@@ -80,7 +80,8 @@ def fmu_build(  # noqa: PLR0913  # options of a command
         return
     if structure:
         raise MistakeError((Option("structure"), ": a scenario's components have its sizes"))
-    with tell_replaced(_list_fmus(out)), _show_progress(scenario, native) as progress:
+    built = scenario if whole or not names else f"{', '.join(names)} of {scenario}"
+    with tell_replaced(_list_fmus(out)), _show_progress(built, native) as progress:
         files = build_scenario_fmus(
             Scenario(*read(scenario, set_ or [])), out, components=names or (), whole=whole,
             outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
