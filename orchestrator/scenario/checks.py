@@ -12,7 +12,7 @@ from ..participants.capabilities import find_missing
 from .capabilities import check_capabilities, choose_reference
 from .origin import names_file
 from .scenario import Scenario, ScenarioError
-from .values import WithUnit, list_layouts
+from .values import doubt_value, list_layouts
 
 
 def check_scenario(scenario: Scenario, system: System) -> str | None:
@@ -72,13 +72,8 @@ def _find_doubts(scenario: Scenario) -> Iterator[Fault]:
                 quantity = layout.field(variable).quantity
                 if values.get(quantity.same_as) == value:
                     continue  # the other one is doubted
-                if doubt := quantity.doubt(float(value)):
-                    written = f"{value:g} {quantity.unit}"
-                    said, _, meant = doubt.partition("; ")
-                    bare = meant and not isinstance(value, WithUnit)
-                    remedy = f"{meant} Write the unit, even if {written} is meant" if bare else ""
-                    place = f"components.{name}.{key}.{variable}"
-                    yield Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
+                if doubt := doubt_value(f"components.{name}.{key}.{variable}", quantity, value):
+                    yield doubt
 
 
 def _check_master(scenario: Scenario) -> None:

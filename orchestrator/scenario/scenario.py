@@ -2,13 +2,15 @@
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, ValidationInfo, field_validator, model_validator
 
 from models.core.quantities import Vector
+from models.core.system import suggestion
 
 from ..errors import Fault, MistakeError, list_faults
 from ..masters import MASTERS
@@ -329,9 +331,23 @@ def build_scenario(content: Mapping[str, Any]) -> Scenario:
     try:
         return Scenario.model_validate(share_oil(convert_to_seconds(content)))
     except ValidationError as error:
-        raise ScenarioError.of(_send_on(one, content) for one in find_faults(error, _list_keys)) from None
+        faults = [_send_on(one, content) for one in find_faults(error, _list_keys)]
+        raise ScenarioError.of([*faults, *_find_unconnected(content)]) from None
     except Faults as error:
         raise ScenarioError.of(error.faults) from None
+
+
+def _find_unconnected(content: Mapping[str, Any]) -> Iterator[Fault]:
+    """The ends of connections at components that the content does not have."""
+    lines, known = content.get("connections"), content.get("components")
+    if not isinstance(lines, list) or not isinstance(known, dict):
+        return
+    for line in lines:
+        with suppress(ValueError):
+            read = parse_line(str(line))
+            for end in (read.source, read.target):
+                if (name := end.partition(".")[0]) not in known:
+                    yield Fault("connections", f": {line!r}: no component {name!r}", suggestion(name, known))
 
 
 def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:

@@ -3,7 +3,7 @@
 import difflib
 import functools
 import inspect
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -215,10 +215,34 @@ def parse_values(
         except ValueError as error:
             shown = f" = {value!r}" if not isinstance(value, str) or quantity.choices else ""
             faults.append((name, f"{shown} ({quantity.description}): {error}"))
-    if faults:
-        raise Faults(*faults)
+    if faults:  # with what later checks would find
+        raise Faults(*faults, *_find_more(layout, found))
     same_as = {field.name: field.quantity.same_as for field in layout.fields if field.quantity.same_as}
     return {name: found[other] for name, other in same_as.items() if other in found} | found
+
+
+def _find_more(layout: Layout, values: Mapping[str, Value]) -> Iterator[Fault]:
+    """The faults of values that could be read: out of range, or without their unit."""
+    for name, value in values.items():
+        quantity = layout.field(name).quantity
+        if isinstance(value, str):
+            continue
+        if said := quantity.fault(name, float(value)):
+            yield Fault(name, said.removeprefix(name))
+        elif (doubt := doubt_value(name, quantity, value)) and doubt.remedy:
+            yield doubt
+
+
+def doubt_value(place: str, quantity: Quantity, value: bool | float) -> Fault | None:
+    """A number that is not plausible; with a remedy where it is stated without a unit and another unit makes
+    it plausible."""
+    if not (doubt := quantity.doubt(float(value))):
+        return None
+    written = f"{value:g} {quantity.unit}"
+    said, _, meant = doubt.partition("; ")
+    bare = meant and not isinstance(value, WithUnit)
+    remedy = f"{meant} Write the unit, even if {written} is meant" if bare else ""
+    return Fault(place, f" = {written} ({quantity.description}): {said}", remedy)
 
 
 def to_numbers(layout: Layout, values: Mapping[str, Value]) -> dict[str, float]:

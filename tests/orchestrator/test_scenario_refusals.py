@@ -215,6 +215,22 @@ def test_a_mistake_is_marked_by_where_it_was_made(tmp_path):
         build_system(load(file).with_native_fmus())
 
 
+def test_faults_of_keys_values_and_connections_are_told_at_once(tmp_path):
+    """Also what later checks would find: a value out of range, one without its unit, an unknown end."""
+    file = tmp_path / "mine.toml"
+    file.write_text(
+        'extends = "valve-train"\nstoptime = 1\nconnections = ["camshft.cam_lift -> flywheel.drive_torque"]\n'
+        '[components.camshaft]\nlifttable = "cam.csv"\n[components.camshaft.parameters]\n'
+        'law = "cycloid"\nbase_radius = "17"\nramp_height = "-0.2 mm"\n'
+    )
+    with pytest.raises(ScenarioError) as error:
+        load(file)
+    found = {in_command_line(fault.words).split(": ")[1].partition(" = ")[0] for fault in error.value.faults}
+    values = {f"components.camshaft.parameters.{name}" for name in ("law", "base_radius", "ramp_height")}
+    assert found == {"stoptime", "connections", "components.camshaft.lifttable", *values}
+    assert "no component 'camshft'; did you mean camshaft?" in in_command_line(error.value)
+
+
 @pytest.mark.parametrize(
     ("content", "place", "remedy"),
     [
