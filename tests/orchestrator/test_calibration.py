@@ -142,6 +142,36 @@ def test_the_derivative_of_an_eliminated_residual_is_that_of_differences(gain, o
     assert found.residual == pytest.approx(data - found.gain * model - found.offset)
 
 
+def fall(t: Any, height: float, rate: float) -> dict[str, Any]:
+    return {"y.y": height * np.exp(-rate * t)}
+
+
+@dataclass(frozen=True)
+class Slow(Formula):
+    """Of the state in which a cycle begins nine tenths are left at its end, and move the signal."""
+
+    def predict(self, values: Mapping[str, float], experiment: Experiment, start: Any) -> Prediction:
+        found, own = super().predict(values, experiment, start), np.array([sum(values.values())])
+        state = own if start is None else own + 0.9 * (start - own)
+        return replace(found, signals=found.signals + 0.03 * (state - own), state=state)
+
+    def differentiate(self, values: Mapping[str, float], experiment: Experiment, start: Any) -> Prediction:
+        height, rate = values.values()
+        by = np.exp(-rate * TIMES)[:, None] * np.column_stack([np.ones(TIMES.size), -height * TIMES])
+        return Prediction(by[None], by[None], np.zeros((1, 2)))
+
+
+def test_a_fit_ends_at_one_answer_whatever_its_path():
+    """From two starts, of a model whose signals remember the path: within 1e-4 of the interval's half-width
+    of the least squares of signals that do not."""
+    data = fall(TIMES, 1.0, 1.0)["y.y"] + np.random.default_rng(6).normal(0.0, 0.02, TIMES.size)
+    parameters = [Fitted(name, "1", 1.0) for name in ("y.height", "y.rate")]
+    exact = scipy.optimize.least_squares(lambda p: fall(TIMES, *p)["y.y"] - data, [1.0, 1.0], xtol=1e-14).x
+    for start in ([0.8, 1.2], [1.3, 0.7]):
+        found = fit(objective_of(Slow(fall, {"y.y": "1"}), data, parameters), np.array(start))
+        assert (np.abs(found.x - exact) < 1e-4 * half_width(198) * found.deviations).all()
+
+
 def series(t: Any, first: float, second: float) -> dict[str, Any]:
     force = np.sin(9.0 * t)
     return {"rod.compression": force * (1.0 / first + 1.0 / second), "rocker.bending": force / second}

@@ -15,7 +15,7 @@ from models.core.quantities import Vector
 from ...errors import RunError
 from .approach import approach
 from .objective import Objective
-from .unseen import Unseen, find_unseen, invert, is_doubtful
+from .unseen import Unseen, acts_alike, find_unseen, invert, is_doubtful
 
 CONFIDENCE = 0.95
 # A fit ends where a step changes the sum of squares by this part of it (some hundredth of a deviation), or
@@ -23,7 +23,9 @@ CONFIDENCE = 0.95
 LEAST_GAIN, LEAST_STEP = 1e-6, 1e-5
 # Of least squares; of fits with derivatives found anew; of estimates of the noise, until they change less.
 MOST_STEPS, MOST_FITS, MOST_ESTIMATES, SETTLED = 40, 4, 4, 0.03
-PREFIX = "p"
+# The last step of a fit is below this of a deviation: the next would be a hundredth of it.
+LAST = 2e-3
+PREFIX, ENDS = "p", ("low", "high")
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ def fit(objective: Objective, start: Vector) -> Fit:
         before, objective.noises = objective.noises, objective.estimate_noises(x)
         if np.allclose(objective.noises, before, rtol=SETTLED, atol=0.0):
             break
+    x = _end(objective, x)
     # Corrections of derivatives would part what acts alike.
     jacobian, residual = objective.jacobian_found(x), objective.residual(x)
     if objective.rattles or is_doubtful(jacobian):
@@ -87,6 +90,31 @@ def _minimise(objective: Objective, start: Vector) -> Vector:
         if objective.is_fresh(x, deviations):
             break
         objective.refresh(deviations)
+    return x
+
+
+def _end(objective: Objective, x: Vector) -> Vector:
+    """Steps of Gauss and Newton to where the fit ends whatever its path was: noises, cycles and derivatives are
+    those of each x alone. Where signals rattle, or do not show all parameters, there is no such point."""
+    low, high = (np.array([getattr(one, side) / one.size for one in objective.parameters]) for side in ENDS)
+    for _ in range(0 if objective.rattles else MOST_FITS):
+        objective.restart(x)
+        objective.noises = objective.estimate_noises(x)
+        objective.refresh()
+        jacobian, residual = objective.jacobian(x), objective.residual(x)
+        lengths = np.linalg.norm(jacobian, axis=0)
+        if acts_alike(jacobian):
+            break
+        room = lengths * np.minimum(low - x, 0.0), lengths * np.maximum(high - x, 0.0)
+        step = scipy.optimize.lsq_linear(jacobian / lengths, -residual, room, "bvls").x / lengths
+        objective.restart(x + step)
+        after = objective.residual(x + step)
+        if not after @ after <= (1.0 + LEAST_GAIN) * (residual @ residual):
+            break
+        x = x + step
+        if np.all(np.abs(step) <= LAST * np.sqrt(np.diag(invert(jacobian)))):
+            break
+    objective.noises = objective.estimate_noises(x)
     return x
 
 

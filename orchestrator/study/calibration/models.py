@@ -43,7 +43,7 @@ from .measured import TIME, Experiment, Measured
 # Of a cycle: of the solver, and of the change of a state, which is far below the noise of a sensor.
 CYCLE_TOLERANCE, STEADY = 1e-10, 1e-5
 # Errors of steps of tangents, over those that analyses take.
-COARSE = 1e3
+COARSE = 300.0
 # Of a transient: near the solver's sharpest, since parameters are varied by 1e-3.
 TRANSIENT_TOLERANCE = 1e-10
 # Samples of a cycle where the data's positions have no common grid, and a grid's fit.
@@ -107,7 +107,8 @@ class Model(ABC):
     def predict(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
     ) -> Prediction:
-        """With these parameters "component.parameter"; `start` is the state of a neighbour."""
+        """With these parameters "component.parameter"; `start` is the state of a neighbour, None for what the
+        parameters alone say."""
 
     def differentiate(
         self, values: Mapping[str, float], experiment: Experiment, start: Vector | None
@@ -163,7 +164,11 @@ class CycleModel(Model):
         assert experiment.speed is not None
         finder = _build_finder(self.toml, self.flywheel)
         shares = find_shares(finder, experiment)
-        cycle = finder.find(values, experiment.speed, start, count_samples(shares))
+        samples = count_samples(shares)
+        if start is None:
+            cycle = finder.begin(values, experiment.speed, samples)
+        else:
+            cycle = finder.find(values, experiment.speed, start, samples)
         if cycle.change > USABLE:
             raise ModelError(f"no steady cycle: a state changes by {cycle.change:.2g} of itself over it")
         return shares, cycle

@@ -62,12 +62,19 @@ class Objective:
         """Of all experiments, the nearest state before as start."""
         key = np.asarray(x).tobytes()
         if key not in self._held:
-            near = next(reversed(self._held), None)
-            show_share(0.0, ", predictions")
-            self._held[key] = self._predictions.make(self._list_requests(x, near))
-            for old in list(self._held)[:-HELD]:
-                del self._held[old]
+            self._hold(key, self._list_requests(x, next(reversed(self._held), None)))
         return self._held[key]
+
+    def restart(self, x: Vector) -> None:
+        """Have the cycles at x begin as those of a sweep do: they then depend on x alone."""
+        self._held.pop(x.tobytes(), None)
+        self._hold(x.tobytes(), self._list_requests(x, None))
+
+    def _hold(self, key: bytes, requests: Sequence[Request]) -> None:
+        show_share(0.0, ", predictions")
+        self._held[key] = self._predictions.make(requests)
+        for old in list(self._held)[:-HELD]:
+            del self._held[old]
 
     def _list_requests(self, x: Vector, near: bytes | None) -> list[Request]:
         values = tuple(self.values(x).items())

@@ -87,7 +87,8 @@ class Predictions:
 
     def _key(self, request: Request) -> str:
         digest = self._about.copy()
-        digest.update(repr((request.task, request.experiment, request.values)).encode())
+        alone = request.start is None
+        digest.update(repr((request.task, request.experiment, request.values, alone)).encode())
         return digest.hexdigest()
 
     def _read(self, request: Request) -> Prediction | None:

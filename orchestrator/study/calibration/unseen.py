@@ -71,6 +71,11 @@ def _compare(jacobian: Vector, sizes: Vector) -> tuple[Vector, Vector, Vector]:
     return s, v, lengths
 
 
+def acts_alike(jacobian: Vector) -> bool:
+    """Whether some combination shows in nothing but errors of differences."""
+    return bool(np.any(_compare(jacobian, np.ones(jacobian.shape[1]))[0] < COLLINEAR))
+
+
 def is_doubtful(jacobian: Vector) -> bool:
     """Whether the errors of differences decide on what acts alike."""
     s, *_ = _compare(jacobian, np.ones(jacobian.shape[1]))
