@@ -184,7 +184,8 @@ def sensitivities(
     """How the figures of merit of the steady cycle at `speed`, by default the scenario's, or of the `run` of
     the scenario from its start, change with `parameters`, over (figure, parameter): `elasticity`, the
     relative change over that of the parameter, and its `error`. The attribute `method` is "tangents" where
-    derivatives are exact, else "differences" of whole cycles.
+    derivatives are exact, else "differences" of whole cycles. Tangents have both sides, `below` and `above`,
+    of which `elasticity` is the mean.
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
     ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on

@@ -17,7 +17,7 @@ from orchestrator.scenario.files import load, put, read_changed, to_full_toml
 from orchestrator.scenario.system import list_parameters, list_quantities
 from orchestrator.study.run import Where
 from orchestrator.study.speeds import figure_slopes, sensitivities
-from orchestrator.study.speeds.figure_slopes import SPEED, find_run_slopes, find_slopes
+from orchestrator.study.speeds.figure_slopes import SPEED, FigureSlopes, find_run_slopes, find_slopes
 from orchestrator.study.speeds.sensitivities import (
     SHARE,
     SHARES,
@@ -243,3 +243,16 @@ def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path, method, marked
     publish(dataset, load("valve-train"), tmp_path, reporter)
     rows = [line for line in text.getvalue().splitlines() if "contact.viscosity" in line or "speed " in line]
     assert ["~" in row for row in rows] == marked, text.getvalue()
+
+
+def test_where_both_sides_differ_each_has_its_elasticity(tmp_path):
+    """Of a load of 300 N that falls by 0.6 % with less of a parameter and by 0.2 % with more of it."""
+    slopes = {"contact.least_load": FigureSlopes(300.0, np.array([60.0, 30.0]), np.array([-240.0, 0.0]))}
+    dataset = sensitivities._divide(slopes, ["speed", "contact.viscosity"], speed=200.0)
+    text = io.StringIO()
+    publish(dataset, load("valve-train"), tmp_path, Reporter(Console(file=text, width=200)))
+    assert "~0.6|-0.2" in text.getvalue()
+    assert "less | more" in text.getvalue()
+    head, row = (tmp_path / "sensitivities.csv").read_text("utf-8").splitlines()
+    assert head.split(",")[3:] == ["speed", "contact.viscosity", "speed below", "speed above"]
+    assert [float(cell) for cell in row.split(",")[3:]] == pytest.approx([0.2, 0.1, 0.6, -0.2])

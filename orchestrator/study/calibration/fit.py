@@ -94,8 +94,8 @@ def _minimise(objective: Objective, start: Vector) -> Vector:
 
 
 def _end(objective: Objective, x: Vector) -> Vector:
-    """Steps of Gauss and Newton to where the fit ends whatever its path was: noises, cycles and derivatives are
-    those of each x alone. Where signals rattle, or do not show all parameters, there is no such point."""
+    """Steps of Gauss and Newton to where the fit ends whatever its path was: noises, cycles and derivatives
+    are those of each x alone. Where signals rattle, or do not show all parameters, there is no such point."""
     low, high = (np.array([getattr(one, side) / one.size for one in objective.parameters]) for side in ENDS)
     for _ in range(0 if objective.rattles else MOST_FITS):
         objective.restart(x)

@@ -42,7 +42,8 @@ Figure = tuple[float, int | None]
 
 
 class FigureSlopes(NamedTuple):
-    """A figure's value, its changes in each direction, and by how much those to both sides differ."""
+    """A figure's value, its changes in each direction, the mean of both sides, and by how much more the
+    change above is than that below."""
 
     value: float
     slopes: Vector
@@ -124,7 +125,7 @@ def differentiate_figures(tangents: CycleTangents, flywheel: str, turns: int = 1
     found = {}
     for name, (value, _) in values.items():
         below, above = (np.array([side[sign][name] for side in sides]) for sign in (-1.0, 1.0))
-        slopes, corners = (above - below) / (2.0 * SHARE), np.abs(above - 2.0 * value + below) / SHARE
+        slopes, corners = (above - below) / (2.0 * SHARE), (above - 2.0 * value + below) / SHARE
         if np.isfinite(value) and not name.endswith("_angle"):
             found[name] = FigureSlopes(value, slopes, corners)
     return found

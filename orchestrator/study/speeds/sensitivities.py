@@ -271,11 +271,13 @@ def _divide(
 ) -> xarray.Dataset:
     """Slopes over their values."""
     shares = {
-        name: (one.value, one.slopes / one.value, one.corners / abs(one.value))
+        name: (one.value, one.slopes / one.value, np.abs(one.corners / one.value))
         for name, one in found.items()
         if one.value and np.any(one.slopes)
     }
-    return _build(shares, parameters, **attributes, status=0, method="tangents")
+    dataset = _build(shares, parameters, **attributes, status=0, method="tangents")
+    half = np.array([0.5 * found[name].corners / found[name].value for name in shares])
+    return dataset.assign(below=dataset["elasticity"] - half, above=dataset["elasticity"] + half)
 
 
 def select_figures(dataset: xarray.Dataset) -> list[str]:
@@ -300,6 +302,7 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     run = f" in a run of {1e3 * attributes['stop_time']:.4g} ms" if "stop_time" in attributes else ""
     at = f"{scenario.name} at {RPM * attributes['speed']:.0f} r/min{run}"
     title = f"{at}: change in % for 1 % more of a parameter; ~ where it is uncertain by more than 5 %"
+    title += "; less | more of it" if _list_sides(dataset) and _doubts(main).any() else ""
     heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
     columns = Column("parameter", no_wrap=True), "its value"
     shown = Table(*columns, *heads, title=title, title_justify="left", padding=0)
@@ -309,12 +312,10 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     own = [say(float(value), unit) for value, unit in zip(main["value"].values, units, strict=True)]
     shown.add_row("value of the figure", "", *own, end_section=True)
     values = _say_parameters(dataset, scenario)
-    # The error of differences is a third of what both steps differ by, that of tangents what both sides do.
-    differing = main["error"].values * (3.0 if dataset.attrs["method"] == "differences" else 1.0)
     for k in order:
-        cells = zip(main["elasticity"].values[:, k], differing[:, k], strict=True)
-        name = str(main["parameter"].values[k])
-        shown.add_row(name, values[name], *(_cell(one, error) for one, error in cells))
+        name, column = str(main["parameter"].values[k]), main.isel(parameter=k)
+        cells = (_cell(column.isel(figure=i)) for i in range(column.sizes["figure"]))
+        shown.add_row(name, values[name], *cells)
     answer = Answer(f"{at}: sensitivities", reporter)
     answer.table(shown)
     for text in remark_outside(build_system(scenario)):
@@ -323,6 +324,9 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     frame = dataset["elasticity"].to_pandas()
     frame.insert(0, "value", dataset["value"].values)
     frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])
+    for k in np.flatnonzero(_doubts(dataset).any(axis=0)):
+        for side in _list_sides(dataset):
+            frame[f"{dataset['parameter'].values[k]} {side}"] = dataset[side].values[:, k]
     write_sheet(out / TABLE, frame.to_csv())
     drawn = main.isel(parameter=order).assign_coords(
         shown=("figure", own), size=("parameter", [values[str(main["parameter"].values[k])] for k in order])
@@ -339,8 +343,22 @@ def _say_parameters(dataset: xarray.Dataset, scenario: Scenario) -> dict[str, st
     return said | {name: say(values[name], show(quantities[name])) for name in names}
 
 
-def _cell(elasticity: float, differing: float) -> str:
-    if not math.isfinite(elasticity):
+def _doubts(dataset: xarray.Dataset) -> NDArray[np.bool_]:
+    """Which elasticities are uncertain. The error of differences is a third of what both steps differ by,
+    that of tangents what both sides do."""
+    differing = dataset["error"].values * (3.0 if dataset.attrs["method"] == "differences" else 1.0)
+    return np.asarray(differing > DOUBTFUL * np.maximum(np.abs(dataset["elasticity"].values), LEAST))
+
+
+def _list_sides(dataset: xarray.Dataset) -> list[str]:
+    return [side for side in ("below", "above") if side in dataset]
+
+
+def _cell(one: xarray.Dataset) -> str:
+    """An elasticity; an uncertain one marked, where they are known with those below and above."""
+    if not math.isfinite(one["elasticity"]):
         return "–"
-    doubtful = differing > DOUBTFUL * max(abs(elasticity), LEAST)
-    return f"{'~' if doubtful else ''}{format_number(elasticity, 3) if abs(elasticity) >= LEAST else 0}"
+    doubtful = bool(_doubts(one))
+    told = [float(one[side]) for side in (doubtful and _list_sides(one)) or ["elasticity"]]
+    said = "|".join(format_number(value, 3) if abs(value) >= LEAST else "0" for value in told)
+    return f"{'~' if doubtful else ''}{said}"
