@@ -25,7 +25,9 @@ NAMES: tuple[str, ...] = tuple(sorted(file.stem for file in Path(tools.__file__)
 
 # Needed by FMUs in Python, for steps at compiled speed.
 FOR_FMUS = ("numpy", "numba")
-TIME_LIMIT = 600.0  # s, for calls that hang; compiling takes minutes on a busy machine
+# s, for calls that hang. With the first program for a platform zig compiles its C library: that takes
+# minutes, and on a busy machine ten times as long.
+TIME_LIMIT = 1800.0
 
 
 @cache
@@ -82,23 +84,33 @@ def ask(name: str, case: Case | None = None, python: Path | None = None) -> Answ
         if case is not None:
             command += [str(case.write(Path(folder) / "case.json"))]
         environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-        try:
-            finished = subprocess.run(
-                command,
-                cwd=folder,
-                env=environment
-                | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment_folder(name))},
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=TIME_LIMIT,
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return Answer(failed=f"no answer in {TIME_LIMIT:g} s")
-    answer = _read_answer(finished)
+        with subprocess.Popen(
+            command,
+            cwd=folder,
+            env=environment
+            | {"PYTHONPATH": str(ROOT), "TMPDIR": folder, FOLDER: str(environment_folder(name))},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        ) as process:
+            try:
+                output = process.communicate(timeout=TIME_LIMIT)
+            except subprocess.TimeoutExpired:
+                _end(process)
+                return Answer(failed=f"no answer in {TIME_LIMIT:g} s")
+    answer = _read_answer(subprocess.CompletedProcess(command, process.returncode, *output))
     known = answer.failed.replace(case.fmu, "the FMU") if case else answer.failed
     return replace(answer, failed=re.sub(r"(/[^\s/'\"]+)+/", "…/", known))
+
+
+def _end(process: subprocess.Popen[str]) -> None:
+    """With what it has started, as compilers and emulators, which would go on."""
+    if hasattr(os, "killpg"):
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        process.kill()
 
 
 def _read_answer(finished: subprocess.CompletedProcess[str]) -> Answer:

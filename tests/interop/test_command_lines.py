@@ -1,6 +1,7 @@
 """Command lines of other tools run our FMUs: the commands of the how-to as they stand there, with the
 inputs in files, give the numbers of the component."""
 
+import contextlib
 import csv
 import os
 import shlex
@@ -12,9 +13,11 @@ from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from fmpy import read_model_description
 
+from interop import processes
 from interop.c_program import find_libpython
 from interop.case import Case, list_equal_steps
 from interop.comparison import KINDS, compute_expected, make_case
@@ -130,3 +133,15 @@ def test_fmutool_leaves_outputs_that_are_real(native: str, tmp_path: Path) -> No
     case = make_case("slider_crank", kind, made)
     truth = compute_expected("slider_crank", kind, case, list_equal_steps(case.steps, case.step))
     assert ask("fmpy", case).values == truth
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the tool is a script of a shell")
+def test_a_tool_that_hangs_ends_with_what_it_has_started(tmp_path, monkeypatch):
+    """As a compiler, which would go on."""
+    tool, mark = tmp_path / "tool", tmp_path / "mark"
+    tool.write_text(f"#!/bin/sh\nsleep 600 &\necho $! > {mark}.new\nmv {mark}.new {mark}\nwait\n")
+    tool.chmod(0o755)
+    monkeypatch.setattr(processes, "TIME_LIMIT", 2.0)
+    assert ask("wine", python=tool).failed == "no answer in 2 s"
+    with contextlib.suppress(psutil.NoSuchProcess):
+        psutil.Process(int(mark.read_text())).wait(10.0)  # its new parent has to notice
