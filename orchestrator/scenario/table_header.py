@@ -25,20 +25,22 @@ LENGTH_UNITS = {
 UNITS = {**ANGLE_UNITS, **{name: unit or name for name, unit in LENGTH_UNITS.items()}}
 # What names the crank, and the cam: whole words, and beginnings of words.
 CRANK_WORDS = ("ca", "cad", "kw", "kwg", "crk", "degca", "cadeg", "degkw", "kwdeg", "gradkw")
-# What its piston passes: angles of the cam may count from there too.
+# What its piston passes, and its engine: a column that says so may still have angles of the cam.
 DEAD_CENTRES = ("tdc", "atdc", "btdc", "bdc", "abdc", "bbdc", "ot", "ut", "pmh")
+ENGINES = ("engine", "motor", "moteur", "двигат")
 CRANK_BEGINNINGS = (
     *("crank", "kurbel", "vilebrequin", "manivelle", "manovell", "cigüeñal", "cigueñal", "cigueñ", "ciguen"),
     *("cambota", "virabrequim", "manivela", "krukas", "krukhoek", "vevaxel", "vevvinkel", "veiv", "krumtap"),
     *("kampi", "krank", "korb", "wału", "klik", "колен", "крив", "クランク", "曲轴", "曲軸", "크랭크"),
 )
 CAM_WORDS = (
-    "cam", "degcam", "nw", "came", "camme", "leva", "levas", "nok", "kam", "カム", "凸轮", "凸輪", "캠",
+    "cam", "cams", "degcam", "nw", "came", "cames", "camme", "leva", "levas", "nok", "kam", "カム", "凸轮", "凸輪", "캠",
 )  # fmt: skip
 CAM_BEGINNINGS = (
     "camsh", "camang", "camdeg", "nocken", "nokken", "kamaks", "kamvink", "knast", "krzywk", "vačk", "кулач",
 )  # fmt: skip
-GERMAN = ("winkel", "hub", "kurbel", "nocken", "ventil", "drehwinkel")
+BRACKETS = {"[": "]", "(": ")", "{": "}", "<": ">"}
+GERMAN = ("winkel", "hub", "kurbel", "nocken", "ventil", "drehwinkel", "motorwinkel")
 ANGLE_NAMES = (
     "angle", "winkel", "degree", "deg", "°", "grad", "theta", "phi", "φ", "θ", "ángulo", "angulo", "angolo",
     "hoek", "vinkel", "kąt", "угол", "rotation", "position",
@@ -60,28 +62,28 @@ class Column(NamedTuple):
 
 
 def split_column(written: str) -> Column:
-    """The name and unit of "lift [mm]", "lift (mm)", "lift / mm", "lift in mm", "lift_mm" or "lift"."""
+    """The name and unit of "lift [mm]", "lift (mm)", "lift / mm", "lift in mm", "lift_mm", "lift: mm" or "lift"."""
     text = written.strip()
     if len(text) > 1 and text[0] == text[-1] == '"':
         text = text[1:-1].replace('""', '"').strip()
-    opened = min((i for i in (text.find("["), text.find("(")) if i >= 0), default=-1)
+    opened = min((i for i in map(text.find, BRACKETS) if i >= 0), default=-1)
     if opened >= 0:
-        closed = text.find("])"["[(".index(text[opened])], opened)
+        closed = text.find(BRACKETS[text[opened]], opened)
         unit = " ".join(text[opened + 1 : closed].split()) if closed >= 0 else ""
         return Column(written.strip(), text[:opened].strip(), unit or None)
     name, slash, unit = text.partition("/")
     if slash and unit.strip():
         return Column(written.strip(), name.strip(), " ".join(unit.split()))
-    begins = max(text.rfind(" "), text.rfind("_"), text.rfind(","))
+    begins = max(map(text.rfind, " _,:"))
     if begins > 0 and strip_shaft(text[begins + 1 :]) in UNITS:
-        return Column(written.strip(), text[:begins].strip(" _"), text[begins + 1 :])
+        return Column(written.strip(), text[:begins].strip(" _:"), text[begins + 1 :])
     return Column(written.strip(), text, None)
 
 
 def strip_shaft(unit: str) -> str:
     """The unit in small letters without whose angle it is: "deg" of "deg CA", "° KW" and "°CA"."""
     words = unit.casefold().replace("º", "°").replace("°", "° ").replace(".", " ").replace("-", " ").split()
-    left = [word for word in words if not (_is_crank(word) or word in DEAD_CENTRES or _is_cam(word))]
+    left = [word for word in words if not (_is_crank(word) or _is_weak(word) or _is_cam(word))]
     if not left and words:
         return "deg"  # "CAD", "crank": no length
     return " ".join(left)
@@ -89,6 +91,11 @@ def strip_shaft(unit: str) -> str:
 
 def _is_cam(word: str) -> bool:
     return word in CAM_WORDS or word.startswith(CAM_BEGINNINGS)
+
+
+def _is_weak(word: str) -> bool:
+    """Whether the word says that an angle is the crank's unless another names the cam."""
+    return word in DEAD_CENTRES or word.startswith(ENGINES)
 
 
 def _is_crank(word: str) -> bool:
@@ -104,8 +111,8 @@ def find_crank_word(column: Column) -> str:
             f"{column.written!r} names the cam and the crank: name the one whose angles they are, 'cam angle "
             "[deg]' or 'crank angle [deg]'"
         )
-    centres = () if names_cam(column) else (word for word in column.words if word in DEAD_CENTRES)
-    return next(iter([*said, *centres]), "")
+    weak = () if names_cam(column) else filter(_is_weak, column.words)
+    return next(iter([*said, *weak]), "")
 
 
 def names_cam(column: Column) -> bool:
@@ -115,7 +122,7 @@ def names_cam(column: Column) -> bool:
 
 def names_angle(column: Column) -> bool:
     """Whether the name, without a unit, is that of an angle."""
-    return bool(find_crank_word(column)) or any(word.startswith(ANGLE_NAMES) for word in column.words)
+    return bool(find_crank_word(column)) or names_cam(column) or any(word.startswith(ANGLE_NAMES) for word in column.words)
 
 
 def find_factor(written: str, unit: str) -> float:

@@ -264,11 +264,12 @@ CRANK = (
     "Kurbelwinkel [Grad]; Hub [mm]", "KW [°]; Hub [mm]", "CA [deg]; lift [mm]", "°KW; Hub / mm",
     "angle [deg CA]; lift [mm]", "crank_deg; lift_mm", "vilebrequin [degrés]; levée [mm]", "CAD; lift_mm",
     "Angolo manovella (gradi); alzata (mm)", "Winkel [°KW]; Hub in mm", "deg ATDC [deg]; lift [mm]",
+    "Motorwinkel [Grad]; Hub [mm]", "angle moteur {deg}; levée <mm>", "engine angle; lift: mm", "° engine; lift",
 )  # fmt: skip
 CAM = (
     "Winkel [grad]; Hub [mm]", "ANGLE [DEG]; LIFT [MM]", "Angle [Degrees]; Lift [Millimeters]",
     "angle [º]; lift [mm]", "Nockenwinkel nach OT [Grad]; Hub [mm]", "cam angle (deg); valve lift (mm)",
-    "angle; lift",
+    "angle; lift", "engine 2 cam angle <deg>; lift {mm}", "arbre à cames [°]; levée [mm]", "CamAngle_deg; lift: mm",
 )  # fmt: skip
 
 
@@ -285,9 +286,9 @@ def test_angles_of_crank_or_cam_and_their_units_are_known_by_their_words(tmp_pat
         assert header.startswith("crank") or any("crank angles" in note for note in table.notes)
 
 
-@pytest.mark.parametrize("unit", ["Inch", "IN", '"', "inches"])
+@pytest.mark.parametrize("unit", ["[Inch]", "[IN]", '["]', "[inches]", "{in}", "<in>", ": in"])
 def test_words_of_inches_are_read(tmp_path, unit):
-    table = read(tmp_path, f"angle [deg]; lift [{unit}]", lifts=lift(ANGLES) / 25.4, row="{0:g}; {1:.9f}")
+    table = read(tmp_path, f"angle [deg]; lift {unit}", lifts=lift(ANGLES) / 25.4, row="{0:g}; {1:.9f}")
     assert table.lift.max() == pytest.approx(8e-3, rel=1e-7)
 
 
