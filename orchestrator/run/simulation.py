@@ -1,5 +1,6 @@
 """The coupled run: macro steps from start to stop, watched by observers."""
 
+import os
 import time as clock
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -20,6 +21,24 @@ from ..participants.protocol import Participant
 from ..stepping import FixedSteps, Stepper, list_event_outputs
 from ..store.json_codec import Plain
 from .checkpoint import fitting, restore_participants, serialise_participants
+
+_process = os.getpid()
+
+
+def _remember() -> None:
+    """This process was made by Python."""
+    global _process
+    _process = os.getpid()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_remember)
+
+
+def _end_copy() -> None:
+    """End this process if an FMU in it has made it, by `fork`: it would carry out the rest a second time."""
+    if os.getpid() != _process:
+        os._exit(0)
 
 
 class Session:
@@ -48,13 +67,19 @@ class Session:
 
     def begin(self) -> None:
         """Initialise the participants at the start."""
-        self.coupling.initialise(self.time, self.stop_time)
-        self.coupling.prove(self.time)
-        self._steps.begin(self.coupling, self._master, self.time, self.stop_time)
+        try:
+            self.coupling.initialise(self.time, self.stop_time)
+            self.coupling.prove(self.time)
+            self._steps.begin(self.coupling, self._master, self.time, self.stop_time)
+        finally:
+            _end_copy()
 
     def step(self) -> Step:
         """Make the next macro step. RunError if it fails, EndedError where a participant ends the run."""
-        step = self._steps.step(self.time)
+        try:
+            step = self._steps.step(self.time)
+        finally:
+            _end_copy()
         self.time, self._read = step.end, False
         return step
 

@@ -228,6 +228,17 @@ def test_the_first_signal_ends_a_check_of_an_fmu_that_heeds_none(tmp_path):
 
 
 @posix
+def test_copies_that_an_fmu_makes_of_the_run_s_process_do_not_go_on(tmp_path):
+    """It would write the same result."""
+    out, file = tmp_path / "out", tmp_path / "one.toml"
+    file.write_text(to_short_toml(case(fmu("doubling", 2, tmp_path), "shared"), tmp_path), "utf-8")
+    ended = tribocosim("run", str(file), "--out", str(out), "--no-figures")
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.count("results in") == 1
+    assert len(recorded(out)["time"]) == 101
+
+
+@posix
 def test_copies_that_an_fmu_makes_of_its_process_do_not_answer(tmp_path):
     before = list_children()
     found = completed(case(fmu("forking", 2, tmp_path), "own"), tmp_path / "out")

@@ -9,6 +9,7 @@ VICES = {
     "feigning": '{ char head[17] = "tribocosd"; memset(head + 9, 7, 8); '
     "for (int i = 3; i < 999; i++) { ssize_t n = write(i, head, 17); (void)n; } }",
     "forking": "fork();",
+    "doubling": "{ static int made; if (!made++) fork(); }",
     # Its child, in a session of its own, whose number is in the file MARK.
     "detaching": """{ static int made; int child = made++ ? -1 : fork();
         if (!child) {

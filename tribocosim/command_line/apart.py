@@ -27,17 +27,18 @@ FAILED = 3
 CHANNEL = "TRIBOCOSIM_CHANNEL"  # the descriptor to which a child states its status
 PATIENCE_S = 2.0  # how long a child may take to end when it is asked to
 _arguments: list[str] | None = None
+_process = 0
 
 
 def remember_arguments() -> None:
     """This process was started for the command. In others, as in tests, a command has no child."""
-    global _arguments
-    _arguments = sys.argv[1:]
+    global _arguments, _process
+    _arguments, _process = sys.argv[1:], os.getpid()
 
 
 def state(status: int) -> None:
     """The command has come to its end with this status."""
-    if _arguments is not None and CHANNEL in os.environ:
+    if os.getpid() == _process and CHANNEL in os.environ:  # no copy, which an FMU has made by `fork`
         with os.fdopen(int(os.environ[CHANNEL]), "wb") as channel:
             channel.write(b"ended %d." % status)
 
