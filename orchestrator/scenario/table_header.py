@@ -34,7 +34,8 @@ CRANK_BEGINNINGS = (
     *("kampi", "krank", "korb", "wału", "klik", "колен", "крив", "クランク", "曲轴", "曲軸", "크랭크"),
 )
 CAM_WORDS = (
-    "cam", "cams", "degcam", "nw", "came", "cames", "camme", "leva", "levas", "nok", "kam", "カム", "凸轮", "凸輪", "캠",
+    "cam", "cams", "degcam", "nw", "came", "cames", "camme", "leva", "levas", "nok", "kam",
+    "カム", "凸轮", "凸輪", "캠",
 )  # fmt: skip
 CAM_BEGINNINGS = (
     "camsh", "camang", "camdeg", "nocken", "nokken", "kamaks", "kamvink", "knast", "krzywk", "vačk", "кулач",
@@ -62,7 +63,7 @@ class Column(NamedTuple):
 
 
 def split_column(written: str) -> Column:
-    """The name and unit of "lift [mm]", "lift (mm)", "lift / mm", "lift in mm", "lift_mm", "lift: mm" or "lift"."""
+    """The name and unit of "lift [mm]", "lift (mm)", "lift / mm", "lift in mm", "lift_mm" or "lift: mm"."""
     text = written.strip()
     if len(text) > 1 and text[0] == text[-1] == '"':
         text = text[1:-1].replace('""', '"').strip()
@@ -122,7 +123,8 @@ def names_cam(column: Column) -> bool:
 
 def names_angle(column: Column) -> bool:
     """Whether the name, without a unit, is that of an angle."""
-    return bool(find_crank_word(column)) or names_cam(column) or any(word.startswith(ANGLE_NAMES) for word in column.words)
+    known = any(word.startswith(ANGLE_NAMES) for word in column.words)
+    return known or bool(find_crank_word(column)) or names_cam(column)
 
 
 def find_factor(written: str, unit: str) -> float:

@@ -264,12 +264,14 @@ CRANK = (
     "Kurbelwinkel [Grad]; Hub [mm]", "KW [°]; Hub [mm]", "CA [deg]; lift [mm]", "°KW; Hub / mm",
     "angle [deg CA]; lift [mm]", "crank_deg; lift_mm", "vilebrequin [degrés]; levée [mm]", "CAD; lift_mm",
     "Angolo manovella (gradi); alzata (mm)", "Winkel [°KW]; Hub in mm", "deg ATDC [deg]; lift [mm]",
-    "Motorwinkel [Grad]; Hub [mm]", "angle moteur {deg}; levée <mm>", "engine angle; lift: mm", "° engine; lift",
+    "Motorwinkel [Grad]; Hub [mm]", "angle moteur {deg}; levée <mm>", "engine angle; lift: mm",
+    "° engine; lift",
 )  # fmt: skip
 CAM = (
     "Winkel [grad]; Hub [mm]", "ANGLE [DEG]; LIFT [MM]", "Angle [Degrees]; Lift [Millimeters]",
     "angle [º]; lift [mm]", "Nockenwinkel nach OT [Grad]; Hub [mm]", "cam angle (deg); valve lift (mm)",
-    "angle; lift", "engine 2 cam angle <deg>; lift {mm}", "arbre à cames [°]; levée [mm]", "CamAngle_deg; lift: mm",
+    "angle; lift", "engine 2 cam angle <deg>; lift {mm}", "CamAngle_deg; lift: mm",
+    "arbre à cames [°]; levée [mm]",
 )  # fmt: skip
 
 
