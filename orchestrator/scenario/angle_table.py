@@ -32,6 +32,7 @@ from .table_header import (
     is_doubtful_grad,
     names_angle,
     names_cam,
+    names_no_shaft,
     split_column,
 )
 from .units import UnitError
@@ -236,6 +237,9 @@ def _choose_shaft(column: Column, angle: Vector, kind: Kind, notes: list[str]) -
         return kind.per_cam
     turned = math.degrees(float(np.ptp(_pass_zero(angle, 2.0 * math.pi * kind.turns / kind.per_crank))))
     if kind.per_crank == 1.0 or turned <= 360.0 * kind.turns * (1.0 + 1e-9):
+        if names_no_shaft(column):
+            whose = "crank" if kind.per_crank == 1.0 else "cam"
+            notes.append(f"{said} names neither cam nor crank; taken as {whose} angles")
         return 1.0
     notes.append(f"{said} spans {turned:g} deg, so it has {crank}")
     return kind.per_crank

@@ -67,8 +67,8 @@ def _find_linear(
         odd = next((unit for unit, defined in both if find_unit(unit, defined) is None), "")
         raise ScenarioError(
             f"{line}: unit {given.unit} does not fit {wanted.unit}"
-            f"{f' ({odd} is an unknown unit)' if odd else ''}; connect another output, or write the "
-            f"factor: {line.source} * 1 -> {line.target}"
+            f"{f' ({odd} is an unknown unit)' if odd else ''}; connect another output, or "
+            f"{_explain_factor(line, given, wanted, *known)}"
         )
     if linear is not None and linear.offset and given.relative != wanted.relative:
         raise ScenarioError(f"{line}: {explain_differences(line.source, line.target, given.relative)}")
@@ -82,6 +82,26 @@ def _find_linear(
             f"definitions of the FMUs; write what is meant: {meant}, or {defined}"
         )
     return linear
+
+
+def _explain_factor(
+    line: Line, given: Quantity, wanted: Quantity, here: Mapping[str, Unit], there: Mapping[str, Unit]
+) -> str:
+    """What to write for units that do not fit. One that is unknown, or C, may be of a temperature."""
+    ways = []
+    for scale in () if given.relative and wanted.relative else ("degC", "K"):
+        if _is_unclear(given.unit, here):
+            way = convert_units(scale, {}, wanted.unit, there)
+        else:
+            way = convert_units(given.unit, here, scale, {}) if _is_unclear(wanted.unit, there) else None
+        if way:
+            ways.append(f"for {scale} {replace(line, factor=way.factor, offset=way.offset or None)}")
+    return f"write {', '.join(ways)}" if ways else f"write the factor: {line.source} * 1 -> {line.target}"
+
+
+def _is_unclear(unit: str, units: Mapping[str, Unit]) -> bool:
+    """Whether it is unknown, or the coulomb by its name only."""
+    return find_unit(unit, units) is None or (unit == "C" and unit not in units)
 
 
 def _find_size(given: Quantity, wanted: Quantity) -> float:

@@ -23,7 +23,7 @@ from models.valve_train.cams.segments import Rise, join_sides, scale_rise
 from models.valve_train.cams.table import TURN, Points, TableParameters
 
 from .angle_table import AngleTable, AngleTableError, Kind, find_gaps, read_angle_table
-from .cam_files import S96, read_s96
+from .cam_files import INCH, S96, read_s96
 from .fields import Table, in_unit
 from .messages import place_faults
 from .units import to_unit
@@ -45,6 +45,9 @@ RADII = 0.5
 UNCERTAIN = 0.05
 # A row that is off the median of five by more than so many largest medians is wrong.
 SLIP = 2.0
+# Steps of gauges (m), longest first: 1, 2 and 5 of a decimal of mm and inch. So many different lifts tell it.
+STEPS = np.sort(np.outer([1e-3, INCH], np.outer([1.0, 2.0, 5.0], 10.0 ** -np.arange(1, 7))).ravel())[::-1]
+MANY = 12
 LIFT = Kind(
     "lift",
     "m",
@@ -163,9 +166,9 @@ class LiftTable:
             return f"{row}{doubt and ', and '}{doubt}; correct it"
         if not doubt:
             return ""
-        rows, step = math.degrees(float(np.median(np.diff(self.angle)))), 1e3 * self.rounding
+        rows = math.degrees(float(np.median(np.diff(self.angle))))
         return (
-            f"with rows each {rows:.3g} deg and lifts in steps of {step:.3g} mm {doubt}; "
+            f"with rows each {rows:.3g} deg and lifts in steps of {_name_step(self.rounding)} {doubt}; "
             "take more rows, or more digits"
         )
 
@@ -231,11 +234,27 @@ def read_lift_table(path: Path) -> LiftTable:
             f"{path}: its largest lift is {1e3 * lift.max():g} mm, at {at:.5g} deg, but {doubt}; correct the "
             "header's unit, or this row"
         )
+    step = _find_step(lift, found.rounding)
     try:
-        angle, lift = _cut_at_a_turn(angle, lift, found.rounding)
+        angle, lift = _cut_at_a_turn(angle, lift, step)
     except AngleTableError as error:
         raise AngleTableError(f"{path}: {error}") from None
-    return LiftTable(angle, lift, found.rounding, found.notes, found.named)
+    return LiftTable(angle, lift, step, found.notes, found.named)
+
+
+def _find_step(lift: Vector, written: float) -> float:
+    """The step (m) of the lifts: the longest of STEPS whose multiples they are as written, else that of
+    their last decimal."""
+    steps = STEPS[1.9 * written < STEPS] if np.unique(lift).size >= MANY else STEPS[:0]
+    found = (s for s in steps.tolist() if np.abs(lift - s * np.round(lift / s)).max() < 0.51 * written)
+    return next(found, written)
+
+
+def _name_step(step: float) -> str:
+    """In mm, and in inches of which it is a round part."""
+    inches = step / INCH
+    known = f" ({inches:g} in)" if math.isclose(inches, float(f"{inches:.0e}"), rel_tol=1e-6) else ""
+    return f"{1e3 * step:.3g} mm{known}"
 
 
 def smooth_file(path: Path) -> tuple[LiftTable, SmoothedLift]:

@@ -44,7 +44,7 @@ BRACKETS = {"[": "]", "(": ")", "{": "}", "<": ">"}
 GERMAN = ("winkel", "hub", "kurbel", "nocken", "ventil", "drehwinkel", "motorwinkel")
 ANGLE_NAMES = (
     "angle", "winkel", "degree", "deg", "°", "grad", "theta", "phi", "φ", "θ", "ángulo", "angulo", "angolo",
-    "hoek", "vinkel", "kąt", "угол", "rotation", "position",
+    "hoek", "vinkel", "kąt", "угол", "rotation", "position", "drehwinkel",
 )  # fmt: skip
 
 
@@ -127,8 +127,14 @@ def names_angle(column: Column) -> bool:
     return known or bool(find_crank_word(column)) or names_cam(column)
 
 
+def names_no_shaft(column: Column) -> bool:
+    """Whether it has words that are neither those of any angle nor known units."""
+    return not all(word in ANGLE_UNITS or word.startswith(ANGLE_NAMES) for word in column.words)
+
+
 def find_factor(written: str, unit: str) -> float:
     """What a written unit is in `unit`; UnitError that names it."""
+    written = written.strip().removesuffix(".")
     known = strip_shaft(written) if unit == "rad" else " ".join(written.casefold().split())
     if len(known) > LONGEST_UNIT:
         raise UnitError(f"{written[:LONGEST_UNIT]!r}... is an unknown unit")

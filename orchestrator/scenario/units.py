@@ -57,6 +57,13 @@ ZEROS = {("degC", "K"): 273.15}
 
 _NUMBER_AND_UNIT = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)")
 _MASS = re.compile(r"\b(lb|kg|oz)s?\b")
+# Units of temperature as FMUs write them; pint knows some, and takes the C of others for the coulomb.
+_DEGREES = re.compile(
+    r"(?<![^\W\d])(?:(?:(?:deg(?:ree)?s?|°)[ _]*)?(celsius|fahrenheit|kelvin)"
+    r"|(?:deg(?:ree)?s?[ _]|°) *([CF]))\b",
+    re.IGNORECASE,
+)
+_SHORT = {"C": "degC", "F": "degF", "K": "K"}
 LONGEST = 200  # characters of a number with its unit
 # Pint computes powers of numbers, which may take for ever: none above two digits, none of a power.
 _UNIT = re.compile(r"[\w\s*/^.()%°'\"+-]{0,60}")
@@ -228,6 +235,7 @@ def _to_pint(unit: str) -> str:
         unit = unicodedata.normalize("NFKC", unit)  # ℃ becomes °C, m² m2
     if not _is_plain(unit):
         raise UnitError(f"{unit[:30]!r} is no unit")
+    unit = _DEGREES.sub(lambda found: _SHORT[(found[1] or found[2])[0].upper()], unit)
     unit = "revolution" if unit == "rev" else unit
     unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
     unit = re.sub(r"\b([kmM]?N)(mm?)\b", r"\1*\2", unit)  # pint's Nm is a number of yarn

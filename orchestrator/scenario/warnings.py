@@ -203,12 +203,15 @@ def _list_loose(scenario: Scenario) -> Iterator[str]:
         used = any(f"{name}.{one}" in sources | scenario.tolerance.keys() for one in component.outputs.names)
         free = [one for one in component.inputs.names if f"{name}.{one}" not in targets]
         driven = len(free) < component.inputs.size
+        gives, kind = component.outputs.size > 0, WARNING
+        if isinstance(component, ThirdPartyComponent):  # the last of a chain gives the result
+            gives, kind = any(component.about.list_variables("output")), ""
         if not used and not driven:
             yield f"{WARNING}{place}: has no connection, and no effect; connect it, or leave it out"
-        elif not used and component.outputs.size and not component.roles:
+        elif not used and gives and not component.roles:
             yield (
-                f"{WARNING}{place}: drives nothing: no output is connected or has a tolerance; connect one "
-                f"of {_name_parts(list(component.outputs.names))}"
+                f"{kind}{place}: drives nothing: no output is connected or has a "
+                f"tolerance; connect one of {_name_parts(list(component.outputs.names))}"
             )
         elif free and not (driven or table.inputs or component.has_role(roles.Drive)):
             yield (

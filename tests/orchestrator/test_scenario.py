@@ -252,6 +252,9 @@ def test_factors_without_pint_are_pints(pair):
     assert (FACTORS[pair], ZEROS.get(pair, 0.0)) == find_conversion("1", *pair)
 
 
+CELSIUS = ("Celsius", "deg_C", "deg C", "degrees C", "degree_Celsius", "Degrees Celsius", "°Celsius", "° C")
+
+
 @pytest.mark.parametrize(
     ("given", "wanted", "value", "converted"),
     [
@@ -260,6 +263,10 @@ def test_factors_without_pint_are_pints(pair):
         ("℃", "K", 20.0, 293.15),
         ("degF", "degC", 100.0, (100.0 - 32.0) / 1.8),
         ("celsius", "degF", 100.0, 212.0),
+        *((name, "K", 20.0, 293.15) for name in CELSIUS),
+        ("deg_F", "degrees C", 68.0, 20.0),
+        ("W/(m2.deg C)", "W/(m2.K)", 3.0, 3.0),
+        ("delta_degC", "Kelvin", 20.0, 20.0),
         ("degR", "K", 9.0, 5.0),
         ("W/(m2.degC)", "W/(m2.K)", 3.0, 3.0),  # per degree of difference
         ("m²", "mm2", 1.0, 1e6),

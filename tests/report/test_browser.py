@@ -194,6 +194,11 @@ def test_keys_work_after_a_click_on_a_button(page):
     page.set_viewport_size({"width": 390, "height": 800})
     settle(page)
     assert page.evaluate("document.documentElement.scrollWidth") == 390
+    broken = """[...document.querySelectorAll('td')].filter((cell) => {
+      const text = document.createRange(); text.selectNodeContents(cell);
+      return new Set([...text.getClientRects()].map((line) => Math.round(line.top))).size > 1;
+    }).map((cell) => cell.textContent)"""
+    assert page.evaluate(broken) == []
 
 
 def test_rounded_angles_that_rise_slowly_take_the_place_of_time(browser, tmp_path):

@@ -124,6 +124,22 @@ def test_an_offset_that_a_definition_leaves_out_is_asked_for(tmp_path: Path) -> 
     assert rounded.offset == pytest.approx(1e-7, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("output", "wanted", "said"),
+    [
+        ("C", "K", r"write for degC a\.y \* 1\.0 \+ 273\.15 -> b\.u, for K a\.y \* 1\.0 -> b\.u"),
+        ("warm", "degC", r"write for degC a\.y \* 1\.0 -> b\.u, for K a\.y \* 1\.0 - 273\.15 -> b\.u"),
+        ("degC", "C", r"write for degC a\.y \* 1\.0 -> b\.u, for K a\.y \* 1\.0 \+ 273\.15 -> b\.u"),
+        ("N", "K", r"write the factor: a\.y \* 1 -> b\.u"),
+    ],
+)
+def test_what_may_be_a_temperature_is_to_be_connected_with_its_offset(
+    output: str, wanted: str, said: str, tmp_path: Path
+) -> None:
+    with pytest.raises(ScenarioError, match=f"unit {output} does not fit {wanted}.*, or {said}"):
+        connected(2, f'unit="{output}"', f'unit="{wanted}"', tmp_path)
+
+
 def test_a_value_whose_unit_lacks_its_offset_is_a_plain_number(tmp_path: Path) -> None:
     """68 degF would be 293.15 of the FMU's own, or 37.8."""
     start = 'start="0"'

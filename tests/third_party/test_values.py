@@ -9,7 +9,7 @@ from orchestrator.scenario.files import load
 from orchestrator.scenario.values import find_place
 from orchestrator.scenario.warnings import list_warnings
 
-from .c_fmus import describe2, fmu
+from .c_fmus import describe2, fmu, real2
 from .models import MODELS, Model, V
 from .runs import completed, ran, scenario
 
@@ -156,3 +156,15 @@ def test_connections_reach_elements_that_a_structural_parameter_added(tmp_path):
     one = scenario(tables, connections=["one.y[3] -> two.u[3]"], master={"name": "gauss_seidel"})
     _, found = ran(one, tmp_path / "out")
     np.testing.assert_allclose(found["two.y[3]"], found["time"] + found["time"] ** 2, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("causality", "said"), [("local", 0), ("output", 1)])
+def test_the_last_fmu_of_a_chain_is_no_fault(causality, said, tmp_path):
+    """One without outputs records what arrives; the outputs of another are its result."""
+    source = describe2(tmp_path / "a.fmu", real2("y", 0, "output"))
+    sink = describe2(tmp_path / "b.fmu", real2("u", 0, "input", 'start="0"') + real2("seen", 1, causality))
+    tables = {"a": {"participant": source}, "b": {"participant": sink}}
+    found = list_warnings(scenario(tables, connections=["a.y -> b.u"]))
+    assert [line for line in found if "nothing" in line] == said * [
+        "components.b: drives nothing: no output is connected or has a tolerance; connect one of seen"
+    ]

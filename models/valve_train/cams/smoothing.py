@@ -118,10 +118,10 @@ def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedL
     """The smoothing spline of samples: ascending angles (rad) within one turn, lifts (m).
 
     `rounding` is the step of the lifts (m), where it is known. It has no influence on the spline, but the
-    samples' noise is at least that of the step. The error of s'' is about twice its standard deviation and
-    three times its change by a second smoothing, and at least its difference from that of every second
-    sample: for laws of cams within a factor of two, measured over spacings of 1 to 5 degrees and steps of
-    1 to 25 um.
+    samples' noise is at least that of the step. The error of s'' is the sum of twice its standard deviation,
+    three times its change by a second smoothing, and its difference from that of every second sample. Of 221
+    tables of laws of cams at random, with spacings of 1 to 5 degrees and steps of 0.01 to 25 um, 9 had larger
+    errors at the samples and midway, by up to 39 %; where the jerk steps between samples, by up to 80 %.
     ValueError for fewer than 12 samples, and for angles that do not ascend within a turn.
     """
     if angle.size < LEAST_SAMPLES:
@@ -133,8 +133,9 @@ def smooth_lift(angle: Vector, lift: Vector, rounding: float = 0.0) -> SmoothedL
     error = 2.0 * noise * fit.spread + 3.0 * fit.bias
     if angle.size >= 2 * LEAST_SAMPLES:
         coarse = _fit(angle[::2], lift[::2])
-        change = fit.basis.at(angle, 2) @ fit.coefficients - coarse.basis.at(angle, 2) @ coarse.coefficients
-        error = max(error, float(np.abs(change).max()))
+        places = np.append(angle, angle + 0.5 * np.diff(angle, append=angle[0] + TURN))
+        change = fit.basis.at(places, 2) @ fit.coefficients - coarse.basis.at(places, 2) @ coarse.coefficients
+        error += float(np.abs(change).max())
     return SmoothedLift(
         fit.basis.points(fit.coefficients),
         residual=float(np.sqrt(np.mean((lift - fit.smoothed) ** 2))),
