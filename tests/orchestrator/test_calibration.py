@@ -21,7 +21,7 @@ from orchestrator.study.calibration import models
 from orchestrator.study.calibration.doubts import find_doubt
 from orchestrator.study.calibration.fit import Fit, fit, half_width, profile
 from orchestrator.study.calibration.measured import Experiment, Measured, Signal
-from orchestrator.study.calibration.models import Prediction, count_samples, make_model
+from orchestrator.study.calibration.models import Prediction, count_samples, failed, make_model
 from orchestrator.study.calibration.objective import Objective
 from orchestrator.study.calibration.parameters import Fitted
 from orchestrator.study.calibration.predictions import Predictions
@@ -170,6 +170,24 @@ def test_a_fit_ends_at_one_answer_whatever_its_path():
     for start in ([0.8, 1.2], [1.3, 0.7]):
         found = fit(objective_of(Slow(fall, {"y.y": "1"}), data, parameters), np.array(start))
         assert (np.abs(found.x - exact) < 1e-4 * half_width(198) * found.deviations).all()
+
+
+@dataclass(frozen=True)
+class Warm(Slow):
+    """Which finds a cycle by itself only where the fit begins."""
+
+    def predict(self, values: Mapping[str, float], experiment: Experiment, start: Any) -> Prediction:
+        if start is None and abs(values["y.height"] - 0.8) > 1e-9:
+            return failed("no equilibrium")
+        return super().predict(values, experiment, start)
+
+
+def test_a_fit_stays_where_no_cycle_begins_by_itself():
+    data = fall(TIMES, 1.0, 1.0)["y.y"] + np.random.default_rng(6).normal(0.0, 0.02, TIMES.size)
+    parameters = [Fitted(name, "1", 1.0) for name in ("y.height", "y.rate")]
+    found = fit(objective_of(Warm(fall, {"y.y": "1"}), data, parameters), np.array([0.8, 1.2]))
+    assert found.x == pytest.approx([1.0, 1.0], abs=0.02)
+    assert np.isfinite(found.squares)
 
 
 def series(t: Any, first: float, second: float) -> dict[str, Any]:

@@ -95,10 +95,12 @@ def _minimise(objective: Objective, start: Vector) -> Vector:
 
 def _end(objective: Objective, x: Vector) -> Vector:
     """Steps of Gauss and Newton to where the fit ends whatever its path was: noises, cycles and derivatives
-    are those of each x alone. Where signals rattle, or do not show all parameters, there is no such point."""
+    are those of each x alone. Where signals rattle, or do not show all parameters, there is no such point. It
+    stays where cycles are not found from their own start."""
     low, high = (np.array([getattr(one, side) / one.size for one in objective.parameters]) for side in ENDS)
     for _ in range(0 if objective.rattles else MOST_FITS):
-        objective.restart(x)
+        if not objective.restart(x):
+            break
         objective.noises = objective.estimate_noises(x)
         objective.refresh()
         jacobian, residual = objective.jacobian(x), objective.residual(x)
@@ -107,7 +109,8 @@ def _end(objective: Objective, x: Vector) -> Vector:
             break
         room = lengths * np.minimum(low - x, 0.0), lengths * np.maximum(high - x, 0.0)
         step = scipy.optimize.lsq_linear(jacobian / lengths, -residual, room, "bvls").x / lengths
-        objective.restart(x + step)
+        if not objective.restart(x + step):
+            break
         after = objective.residual(x + step)
         if not after @ after <= (1.0 + LEAST_GAIN) * (residual @ residual):
             break

@@ -65,10 +65,16 @@ class Objective:
             self._hold(key, self._list_requests(x, next(reversed(self._held), None)))
         return self._held[key]
 
-    def restart(self, x: Vector) -> None:
-        """Have the cycles at x begin as those of a sweep do: they then depend on x alone."""
-        self._held.pop(x.tobytes(), None)
-        self._hold(x.tobytes(), self._list_requests(x, None))
+    def restart(self, x: Vector) -> bool:
+        """Have the cycles at x begin as those of a sweep do: they then depend on x alone. False where some
+        are not found so: those from before stay."""
+        key = x.tobytes()
+        before = self._held.pop(key, None)
+        self._hold(key, self._list_requests(x, None))
+        found = not self.find_failure(x)
+        if before and not found:
+            self._held[key] = before
+        return found
 
     def _hold(self, key: bytes, requests: Sequence[Request]) -> None:
         show_share(0.0, ", predictions")
