@@ -97,9 +97,11 @@ def ask(name: str, case: Case | None = None, python: Path | None = None) -> Answ
         ) as process:
             try:
                 output = process.communicate(timeout=TIME_LIMIT)
-            except subprocess.TimeoutExpired:
+            except BaseException as error:
                 _end(process)
-                return Answer(failed=f"no answer in {TIME_LIMIT:g} s")
+                if isinstance(error, subprocess.TimeoutExpired):
+                    return Answer(failed=f"no answer in {TIME_LIMIT:g} s")
+                raise  # an interruption, which the process in its own session does not get
     answer = _read_answer(subprocess.CompletedProcess(command, process.returncode, *output))
     known = answer.failed.replace(case.fmu, "the FMU") if case else answer.failed
     return replace(answer, failed=re.sub(r"(/[^\s/'\"]+)+/", "…/", known))
@@ -111,6 +113,7 @@ def _end(process: subprocess.Popen[str]) -> None:
         os.killpg(process.pid, signal.SIGKILL)
     else:
         process.kill()
+    process.wait()
 
 
 def _read_answer(finished: subprocess.CompletedProcess[str]) -> Answer:

@@ -6,6 +6,7 @@ import csv
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -136,12 +137,26 @@ def test_fmutool_leaves_outputs_that_are_real(native: str, tmp_path: Path) -> No
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the tool is a script of a shell")
-def test_a_tool_that_hangs_ends_with_what_it_has_started(tmp_path, monkeypatch):
-    """As a compiler, which would go on."""
+@pytest.mark.parametrize("interrupted", [False, True])
+def test_a_tool_that_hangs_ends_with_what_it_has_started(interrupted, tmp_path, monkeypatch):
+    """As a compiler, which would go on, also where Ctrl-C ends the wait: it is in another session."""
+
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
     tool, mark = tmp_path / "tool", tmp_path / "mark"
     tool.write_text(f"#!/bin/sh\nsleep 600 &\necho $! > {mark}.new\nmv {mark}.new {mark}\nwait\n")
     tool.chmod(0o755)
     monkeypatch.setattr(processes, "TIME_LIMIT", 2.0)
-    assert ask("wine", python=tool).failed == "no answer in 2 s"
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 1.0 if interrupted else 0.0)
+    try:
+        assert ask("wine", python=tool).failed == "no answer in 2 s"
+        assert not interrupted
+    except KeyboardInterrupt:
+        assert interrupted
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
     with contextlib.suppress(psutil.NoSuchProcess):
         psutil.Process(int(mark.read_text())).wait(10.0)  # its new parent has to notice
