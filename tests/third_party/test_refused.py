@@ -10,6 +10,8 @@ import pytest
 
 import tribocosim
 from fmus.fmi.validate import validate
+from orchestrator.errors import RecoverableError
+from orchestrator.participants import proven
 from orchestrator.participants.description import DescriptionError, read_description
 from orchestrator.participants.third_party import read_component
 from orchestrator.scenario import Scenario, ScenarioError, build_scenario
@@ -298,3 +300,39 @@ def test_it_is_found_at_the_start_of_a_run_too(process, tmp_path):
         assert told == ["through: real out depends on real in"] * count
         values.append(columns["through.real out"])
     np.testing.assert_allclose(*values, rtol=1e-12)
+
+
+def test_an_input_that_an_fmu_refuses_in_the_trial_ends_no_run(tmp_path, monkeypatch):
+    """The run never gives it: the FMU is opened afresh."""
+
+    def refuse(unit, component, inputs):
+        unit.set_inputs(dict.fromkeys(inputs, 7.0))
+        raise RecoverableError("through: real in is out of range")
+
+    tables = {
+        "decay": {"participant": fmu("dahlquist", 2, tmp_path)},
+        "through": {"participant": fmu("feedthrough", 2, tmp_path)},
+    }
+    one, values = scenario(tables, connections=["decay.x -> through.real in"]), []
+    for place in ("tried", "refused"):
+        summary, columns = ran(one, tmp_path / place)
+        assert summary.complete
+        values.append(columns["through.real out"])
+        monkeypatch.setattr(proven, "describe_undeclared", refuse)
+    np.testing.assert_array_equal(*values)
+
+
+def test_warnings_in_the_trial_of_dependencies_are_none_of_the_run(tmp_path, monkeypatch):
+    """Of an FMU that warns whenever it is read."""
+    tables, counts = {"one": {"participant": fmu("uneasy", 2, tmp_path)}}, []
+    for times in (0, 3):
+
+        def read(unit, component, inputs, times=times):
+            for _ in range(times):
+                unit.read_all(np.zeros(component.outputs.size))
+            return []
+
+        monkeypatch.setattr(proven, "describe_undeclared", read)
+        summary, _ = ran(scenario(tables, checkpoint_every=30), tmp_path / str(times))
+        counts.append(summary.content()["warnings"]["one"]["count"])
+    assert counts[0] == counts[1] > 0
