@@ -91,15 +91,15 @@ def find_lift_settings(source: str, component: str | None = None) -> dict[str, A
 
 def find_valve_settings(source: str, component: str | None = None) -> dict[str, Any]:
     """Lash and ratio at the valve that a scenario's cam lifts, as the analysis `clearance` has them; none of
-    a cam alone. The ratio is that at the largest lift; of several valves the lash is the least."""
+    a cam alone. The ratio is that at the largest lift; a retainer has the lash of the valve on its stem."""
     if not _is_scenario(source):
         return {}
     scenario = load(source)
     name, _ = _find_cam(source, scenario, component)
     train = find_train(build_system(scenario), name)
-    return (
-        {"lash": min(train.list_of_valves("lash"), default=0.0), "valve_ratio": train.ratio} if train else {}
-    )
+    if train is None:
+        return {}
+    return {"lash": next(iter(train.list_of_valves("lash")), 0.0), "valve_ratio": train.ratio}
 
 
 def _is_scenario(source: str) -> bool:

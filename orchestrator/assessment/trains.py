@@ -142,7 +142,7 @@ class Train:
 
     @property
     def valve_lift(self) -> float:
-        """Full lift of a rigid train's valve (m), less the lash; none of another cam is known."""
+        """The valve's full lift (m) where nothing yields, less the lash; above 0 for an own cam only."""
         return self.ratio * self.largest_lift - max(self.list_of_valves("lash"), default=0.0)
 
     @property
@@ -151,7 +151,7 @@ class Train:
         return ContactLaw(self.lash, self.lobe) if rests else ContactLaw()
 
     def list_of_valves(self, parameter: str) -> list[float]:
-        """Of those that have it."""
+        """Of those that have it, the nearest to the cam first."""
         valves = [self.system.instances[name] for name in self.list_parts(roles.Valve)]
         having = [valve for valve in valves if parameter in valve.component.parameters.names]
         return [parameter_of(valve, parameter) for valve in having]

@@ -197,7 +197,9 @@ def test_an_advanced_intake_and_a_retarded_exhaust_come_closer():
 
 
 def test_a_scenario_gives_its_lash_and_the_ratio_of_its_rocker():
-    """Arms of 32 mm and 40 mm turn by the same angle; a finger's lift is its valve's. A cam has neither."""
+    """Arms of 32 mm and 40 mm turn by the same angle; a finger's lift is its valve's. A cam has neither. On
+    an elastic stem the retainer has the lash."""
+    assert find_valve_settings("valve-stem") == {"lash": 0.2e-3, "valve_ratio": 1.0}
     finger = find_valve_settings("finger-follower")
     assert finger == pytest.approx({"lash": 0.1e-3, "valve_ratio": 1.0})
     rocker = find_valve_settings("pushrod-train")
