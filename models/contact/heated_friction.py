@@ -10,9 +10,9 @@ of fast passing, and of a standing contact of length L. Both surfaces have one m
 q = (h_1 + h_2) dT_s. Heat q_v = F_v |u_s|/A arises in the film. All layers share one stress, so that the
 hottest one shears most. The film shears as an evenly warm one of so much above the surfaces:
 
-    dT_f = q_v h/(12 k_o) phi,  phi = 3 L/(2 N),  L = ln(sinh 2c/(2c)),  N = c tanh c
+    dT_f = q_v h/(12 k_o) phi,  phi = 3 D/(2 N),  D = ln(sinh 2c/(2c)),  N = c tanh c
 
-with the fall L of ln(eta) over dT_f, under the mean pressure (Nahme 1940). This is exact where ln(eta) falls
+with the fall D of ln(eta) over dT_f, under the mean pressure (Nahme 1940). This is exact where ln(eta) falls
 evenly with the temperature, also for Eyring's fluid. phi is 1, the mean of a parabola (Crook 1961), in a
 cold film, and tends to 3, the peak of a film that shears in its middle alone.
 
@@ -30,7 +30,7 @@ from .rheology import Thermal, fluid_stress, limited_stress, pressed_share, stre
 # Relative accuracy of the rise. Newton's steps converge quadratically: the last is far smaller than this.
 _CLOSE = 1e-9
 _STEPS = 60
-# L of a film that is cold but for 1e-8 of phi.
+# D of a film that is cold but for 1e-8 of phi.
 _SMALL = 1e-4
 # K. A rise that changes a viscosity by less than this accuracy.
 _COLD = 1e-9
@@ -70,7 +70,7 @@ class HotFilm(NamedTuple):
 
 
 class _Peak(NamedTuple):
-    """phi and its derivative by L."""
+    """phi and its derivative by D."""
 
     factor: float
     slope: float
@@ -105,10 +105,10 @@ def build_cooling(contact: Contact, solid_1: Solid, solid_2: Solid, oil_conducti
 
 @kernel
 def concentrate(fall: float) -> _Peak:
-    """phi of a film whose ln(eta) falls by L >= 0 from its walls to its own temperature (see above)."""
+    """phi of a film whose ln(eta) falls by D >= 0 from its walls to its own temperature (see above)."""
     if fall < _SMALL:
         return _Peak(1.0 + 0.3 * fall, 0.3)
-    # Newton's method from above for w = 2c in ln(sinh w/w) = L, which is convex.
+    # Newton's method from above for w = 2c in ln(sinh w/w) = D, which is convex.
     w, slope = fall + math.sqrt(6.0 * fall), 1.0
     for _ in range(_STEPS):
         slope = 1.0 / math.tanh(w) - 1.0 / w
