@@ -329,13 +329,14 @@ def test_contacts_elsewhere_than_under_a_cam_are_listed(scenario: str, rubbing: 
 
 
 def test_soft_default_asperities_are_said_where_the_film_is_thinner_than_the_roughness() -> None:
-    """Those that a scenario gives are its own."""
+    """Those that a scenario gives are its own. Smooth or dry surfaces have a ratio of 0."""
     own = ["components.valve_contact.parameters.asperity_slope=0.01"]
     thin = {"cam_contact": 0.28, "valve_contact": 0.025}
     assert list_soft(build_system(load("finger-follower")), thin | {"cam_contact": 1.1}) == ["valve_contact"]
     (said,) = remark_soft(list_soft(build_system(load("finger-follower", own)), thin))
     assert said.startswith("cam_contact: ")
     assert "set roughness_parameter and asperity_slope" in said
+    assert not list_soft(build_system(load("finger-follower")), dict.fromkeys(thin, 0.0))
     assert not list(remark_soft([]))
 
 

@@ -98,12 +98,14 @@ def measure_others(motion: Motion, coefficient: float) -> dict[str, dict[str, fl
 
 
 def list_soft(system: System, ratios: Mapping[str, float]) -> list[str]:
-    """The contacts whose film ratio is below 1, and whose asperities are the default ones."""
+    """The contacts whose asperities are the default ones, and whose film ratio is below 1; not 0, as that of
+    smooth or dry bodies."""
     found = []
     for name, ratio in ratios.items():
         instance = system.instances[name]
         fields = [field for field in instance.component.parameters.fields if field.name in ASPERITIES]
-        if ratio < 1.0 and fields and all(parameter_of(instance, one.name) == one.start for one in fields):
+        own = any(parameter_of(instance, field.name) != field.start for field in fields)
+        if 0.0 < ratio < 1.0 and fields and not own:
             found.append(name)
     return found
 

@@ -102,8 +102,9 @@ def remark(history: History, interval: Interval, tolerance: float) -> Iterator[W
     )
     if train.load == "load":
         yield "the surfaces are smooth: all of the load wears, not only that of asperities"
-    thin = fresh.rubbed.numbers["least_film"] < train.parameter("roughness")
-    yield from remark_soft(list_soft(train.system, {train.contact: 0.0} if thin else {}))
+    if roughness := train.parameter("roughness"):
+        ratio = fresh.rubbed.numbers["least_film"] / roughness
+        yield from remark_soft(list_soft(train.system, {train.contact: ratio}))
     if train.follower_wears:
         yield f"the cam has lost {1e3 * float(last.state[CAM].max()):.3g} mm then"
     else:
