@@ -17,6 +17,7 @@ from ...assessment.figures_of_merit import CONTACT
 from ...assessment.friction.losses import remark_outside
 from ...assessment.motion import Motion, Part
 from ...assessment.notices import list_notices
+from ...assessment.springs import list_springs
 from ...errors import MistakeError, Words
 from ...plots.design import draw_design
 from ...plots.style import save_figure
@@ -140,7 +141,7 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
         return min(float(np.nanmin(train.film_ratios(cycles[speed].column))) for speed in below)
 
     pressures = {part: _choose(limits.peak_pressure, partial(find_pressure, part)) for part in parts}
-    gaps = {part: _choose(limits.least_gap, partial(find_gap, part)) for part in train.springs}
+    gaps = {part: _choose(limits.least_gap, partial(find_gap, part)) for part in list_springs(train.train)}
     film = _choose(limits.least_film_ratio, find_film) if train.has_film else None
 
     def figure(name: str, speed: float) -> float:

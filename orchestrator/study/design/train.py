@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from models.contact.films import FILMS
-from models.core import roles
 from models.core.quantities import Vector
 from models.monolithic.cycle import STEADY, Cycle
 from models.monolithic.cycle_tangents import CycleTangents, Direction, differentiate_cycle, differentiate_part
@@ -60,11 +59,6 @@ class DesignedTrain:
     def train(self) -> Train:
         system = self.finder.system
         return next(train for train in find_trains(system) if train.cam == self.cam)
-
-    @property
-    def springs(self) -> list[str]:
-        """Those whose coils have gaps."""
-        return [*self.train.list_parts(roles.CoilSpring), *self.train.list_parts(roles.LoadedSpring)]
 
     @property
     def own_speed(self) -> float:
