@@ -21,6 +21,7 @@ from ..assessment.trains import find_trains
 from ..errors import RunError, Set, Words, join
 from ..reporter import WITNESS, Reporter
 from ..scenario.capabilities import MONOLITHIC
+from ..scenario.values import WARNING
 from ..store.result_file import ResultFile
 from .comparison import (
     Errors,
@@ -34,7 +35,7 @@ from .comparison import (
 )
 from .plan import Plan
 from .reference import Solution, measure_orders, solve_reference
-from .summary import ENDS, INTERRUPTED, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
+from .summary import ENDS, FAILED, INTERRUPTED, MACRO_STEPS, NOT_COMPARED, OUTSIDE, ROWS, WITHIN, Summary
 
 if TYPE_CHECKING:
     from models.monolithic import Reference
@@ -92,6 +93,8 @@ def _summarise_contacts(system: System, summary: Summary, result: ResultFile) ->
         contacts = with_angles(system, contacts, result.column)
         figures = list_merits(system, contacts, result.column)
         told = describe(system, figures, result.column)
+        if summary.exit_status == FAILED:  # coils may clash because the coupling is unstable
+            told = [line for line in told if not line.startswith(WARNING)]
     return replace(
         summary, contacts=contacts, contacts_from=source, merits=told, figures_of_merit=figures,
         friction=sum_friction(system, figures),
