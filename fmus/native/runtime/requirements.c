@@ -1,4 +1,5 @@
 /* What the component requires besides ranges, and the messages where it is not so. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -18,9 +19,11 @@ static void tell(const Requirement *requirement, const double *numbers, char *me
         if (!strncmp(text, "{word}", 6)) {
             snprintf(message + used, size - used, "%s", requirement->words[(int)numbers[0]]);
         } else { /* such as {0:.9g} */
+            double number = numbers[text[1] - '0'];
+            if (isnan(number)) number = fabs(number); /* as Python writes it, without a sign */
             char format[16];
             snprintf(format, sizeof format, "%%%.*s", (int)(end - text - 3), text + 3);
-            snprintf(message + used, size - used, format, numbers[text[1] - '0']);
+            snprintf(message + used, size - used, format, number);
         }
         used += strlen(message + used);
         text = end + 1;

@@ -31,7 +31,6 @@ PISTON = (
     {"offset": -1.0 / 1.5e4},
     {"tilt": -2e-3},
     {"closed[1]": 1.0, "closed[3]": 1.0},
-    {"closed[1]": 0.5},
     {"closed[1]": 1.0, "closed[2]": 1.0, "closed[4]": 1.0},
     {"half_length": 0.0, "closed[2]": 1.0},
 )
@@ -43,6 +42,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"lift": 0.03, "rise_angle": 1.0},
         {"power_p": 15.0},
         {"flank_share": 0.9},
+        {"rise_angle": 5e-324, "dwell_half_width": 0.0},
     ),
     "valve_spring": ({"lash": 2e-4}, {"lash": -1e-3}),
     "tappet": (
@@ -51,6 +51,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"dwell_half_width": 2.0},
         {"power_p": 15.0},
         {"flank_share": 0.9},
+        {"rise_angle": 5e-324, "dwell_half_width": 0.0},
     ),
     "journal_bearing": (
         {"width": 30e-3},
@@ -76,6 +77,7 @@ WRONG: Mapping[str, tuple[Mapping[str, float], ...]] = {
         {"dwell_half_width": 2.0},
         {"power_p": 15.0},
         {"flank_share": 0.9},
+        {"rise_angle": 5e-324, "dwell_half_width": 0.0},
     ),
     "ehl_contact": ({"film_model": 8.0},),
     "slider_crank": (
@@ -200,6 +202,11 @@ def test_every_requirement_is_tried(name):
     for text in texts:
         plain = max(text.replace("}", "{").split("{"), key=len)
         assert any(plain in message for message in said), text
+
+
+def test_a_corner_is_in_lasting_contact_or_not():
+    """The component says so; an FMU has it as a truth value, of which there is no half."""
+    assert "must be true or false" in refusal(COMPONENTS["piston_crank"], {"closed[1]": 0.5})
 
 
 def allowed(field: Field) -> st.SearchStrategy[float]:
