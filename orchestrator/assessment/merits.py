@@ -24,7 +24,7 @@ from .friction.losses import list_losses, name_outside, note_friction
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
 from .motion import RUN, Motion
-from .springs import MORE_TRAVEL, find_clearance, list_springs
+from .springs import MORE_TRAVEL, closes_at_once, list_springs
 from .trains import (
     Angle,
     Train,
@@ -127,7 +127,7 @@ def warn_of_clashes(system: System, merits: Sequence[Merit], read: Read) -> Iter
     for least in merits:
         if least.figure != "least_gap" or least.value >= 0.0 or least.time is None:
             continue
-        if find_clearance(system.instances[least.part]) is None:
+        if not closes_at_once(system.instances[least.part]):
             continue
         times = read("time")
         before = (times < least.time) & (read(f"{least.part}.least_gap") >= 0.0)

@@ -23,6 +23,15 @@ def list_springs(train: Train) -> list[str]:
     return list(dict.fromkeys(both))
 
 
+def list_clashing(system: System, found: Mapping[str, Vector]) -> Iterator[tuple[str, Vector]]:
+    """Each spring whose coils, all of one gap, clash in some of its figures `least_gap` (m), with these; they
+    are found by "spring.least_gap"."""
+    for name, gaps in found.items():
+        spring, _, figure = name.rpartition(".")
+        if figure == "least_gap" and (gaps < 0.0).any() and closes_at_once(system.instances[spring]):
+            yield spring, gaps
+
+
 def warn_of_clash(spring: str, where: str, gap: float) -> str:
     """That coils clash, and how far (m, below 0) at most."""
     return (
@@ -58,7 +67,7 @@ def _least_gap(spring: Part) -> Found:
 def _find_wire_force(spring: Part, force: str) -> Vector:
     """The force that twists the wire, of the tightest coils while they are open, or at the spring's end if it
     is larger; at its end only where gaps of coils differ."""
-    if (clearance := find_clearance(spring.motion.system.instances[spring.name])) is None:
+    if (clearance := _find_clearance(spring.motion.system.instances[spring.name])) is None:
         return np.asarray(spring[force])
     preload, rate = spring.parameter("preload"), spring.parameter("spring_rate")
     tightest = preload + rate * (clearance - np.maximum(spring["least_gap"], 0.0))
@@ -66,7 +75,12 @@ def _find_wire_force(spring: Part, force: str) -> Vector:
     return np.maximum(tightest, np.minimum(spring[force], preload + rate * clearance))
 
 
-def find_clearance(spring: Instance) -> float | None:
+def closes_at_once(spring: Instance) -> bool:
+    """Whether all coils touch at one travel."""
+    return _find_clearance(spring) is not None
+
+
+def _find_clearance(spring: Instance) -> float | None:
     """Travel (m) until all coils touch; None where they do one after the other."""
     gaps = _list_gaps(spring)
     return sum(gaps) if math.isclose(min(gaps), max(gaps)) else None

@@ -13,7 +13,7 @@ from models.core import roles
 from models.core.component import Component
 from models.core.system import System
 
-from ..assessment.springs import find_clearance, list_springs
+from ..assessment.springs import closes_at_once, list_springs
 from ..assessment.trains import LIFTED, find_trains
 from ..errors import MistakeError
 from ..scenario import Scenario, ScenarioError
@@ -126,9 +126,7 @@ def _tell_parts(train: Train) -> Iterator[dict[str, Any]]:
             "lift": f"{one.cam}.cam_lift",
             "contacts": limits,
             "valves": [name for name in valves if numbers.get(f"{name}.seat_stiffness")],
-            "springs": [
-                name for name in list_springs(one) if find_clearance(system.instances[name]) is not None
-            ],
+            "springs": [name for name in list_springs(one) if closes_at_once(system.instances[name])],
             "lashes": [
                 [parameters.index(at), one.find_cam_lash(numbers[at] or SMALL) / (numbers[at] or SMALL)]
                 for name in valves

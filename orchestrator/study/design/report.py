@@ -15,7 +15,7 @@ from models.valve_train.worn_cam import PLACES
 
 from ...assessment.figures_of_merit import measure
 from ...assessment.motion import Motion
-from ...assessment.springs import find_clearance, list_springs, warn_of_clash
+from ...assessment.springs import list_clashing, list_springs, warn_of_clash
 from ...assessment.trains import find_trains
 from ...report.answer import Answer
 from ...scenario.display import add_unit, format_number, show, show_unit
@@ -164,12 +164,12 @@ def tabulate(
 def describe_clashes(motions: Mapping[float, Motion], cam: str) -> Iterator[str]:
     """A warning of each spring whose coils clash at some speed (rad/s), and what keeps them apart."""
     system = next(iter(motions.values())).system
-    for name in (name for train in find_trains(system) for name in list_springs(train)):
-        gaps = {speed: float(one.column(f"{name}.least_gap").min()) for speed, one in motions.items()}
-        worst = min(gaps, key=gaps.__getitem__)
-        if gaps[worst] < 0.0 and find_clearance(system.instances[name]) is not None:
-            said = warn_of_clash(name, f"{cam}, most at {RPM * worst:.0f} r/min", gaps[worst])
-            yield f"{said}; limits.least_gap keeps travel, if a cam can"
+    names = [f"{name}.least_gap" for train in find_trains(system) for name in list_springs(train)]
+    found = {name: np.array([one.column(name).min() for one in motions.values()]) for name in names}
+    for spring, gaps in list_clashing(system, found):
+        worst = list(motions)[int(np.argmin(gaps))]
+        said = warn_of_clash(spring, f"{cam}, most at {RPM * worst:.0f} r/min", float(gaps.min()))
+        yield f"{said}; limits.least_gap keeps travel, if a cam can"
 
 
 def _show_parameters(

@@ -14,7 +14,7 @@ from models.monolithic.cycle import STEADY
 from ...assessment.adjusters import describe_over_speed
 from ...assessment.contacts.lines import FED
 from ...assessment.lost_contact import find_lost, find_unsteady
-from ...assessment.springs import MORE_TRAVEL, find_clearance
+from ...assessment.springs import MORE_TRAVEL, list_clashing
 from ...assessment.trains import describe_floating
 from .separation import RPM, list_speeds
 from .subject import SpeedSubject
@@ -52,13 +52,11 @@ def describe_unsteady(table: xarray.Dataset) -> Iterator[str]:
 
 def describe_clash(system: System, table: xarray.Dataset) -> Iterator[str]:
     """A sentence on each spring whose coils, all of one gap, touch at some speed."""
-    for name in (str(name) for name in table.data_vars if str(name).endswith(".least_gap")):
-        gaps, spring = table[name].values, name.rpartition(".")[0]
-        if not (touching := gaps < 0.0).any() or find_clearance(system.instances[spring]) is None:
-            continue
+    found = {str(name): column.values for name, column in table.data_vars.items()}
+    for spring, gaps in list_clashing(system, found):
         worst = int(np.nanargmin(gaps))
         yield (
-            f"coils of {spring} clash at {_list_where(table, touching)}, "
+            f"coils of {spring} clash at {_list_where(table, gaps < 0.0)}, "
             f"the tightest {-1e3 * gaps[worst]:.3g} mm of travel beyond coil bind at "
             f"{float(table['speed'][worst]) * RPM:.0f} r/min; {MORE_TRAVEL}"
         )

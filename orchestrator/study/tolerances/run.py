@@ -19,7 +19,7 @@ from models.valve_train.worn_cam import sample_cam
 from ...analyses import Result
 from ...assessment.friction.losses import remark_outside
 from ...assessment.notices import list_notices
-from ...assessment.springs import find_clearance, warn_of_clash
+from ...assessment.springs import list_clashing, warn_of_clash
 from ...errors import MistakeError, RunError
 from ...reporter import Reporter
 from ...scenario import build_scenario
@@ -163,12 +163,9 @@ def describe_cycles(trains: xarray.Dataset, design: Design, usable: NDArray[np.b
 
 def describe_clashes(values: Mapping[str, Vector], system: System) -> Iterator[str]:
     """A warning of each spring whose coils clash in some of the judged trains."""
-    for name, gaps in values.items():
-        spring, _, figure = name.rpartition(".")
-        clashing = gaps < 0.0
-        if figure == "least_gap" and clashing.any() and find_clearance(system.instances[spring]) is not None:
-            of = f"in {int(clashing.sum())} of {tally(int(np.isfinite(gaps).sum()), 'train')}"
-            yield warn_of_clash(spring, of, float(np.nanmin(gaps)))
+    for spring, gaps in list_clashing(system, values):
+        of = f"in {int((gaps < 0.0).sum())} of {tally(int(np.isfinite(gaps).sum()), 'train')}"
+        yield warn_of_clash(spring, of, float(np.nanmin(gaps)))
 
 
 def _rows(design: Design, kind: str) -> NDArray[np.int64]:
