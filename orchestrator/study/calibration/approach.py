@@ -84,8 +84,7 @@ def _smooth(experiment: Experiment, window: float) -> tuple[Experiment, list[Vec
 def _descend(level: _Smoothed, start: Vector, x: Vector) -> Vector:
     """By Gauss-Newton steps in the logarithms of positive parameters."""
     objective = level.objective
-    low = np.array([one.low / one.size for one in objective.parameters])
-    high = np.array([one.high / one.size for one in objective.parameters])
+    low, high = objective.bounds
     positive = (low >= 0.0) & (start > 0.0)
 
     def away(x: Vector) -> Vector:

@@ -25,7 +25,7 @@ LEAST_GAIN, LEAST_STEP = 1e-6, 1e-5
 MOST_STEPS, MOST_FITS, MOST_ESTIMATES, SETTLED = 40, 4, 4, 0.03
 # The last step of a fit is below this of a deviation: the next would be a hundredth of it.
 LAST = 2e-3
-PREFIX, ENDS = "p", ("low", "high")
+PREFIX = "p"
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def _end(objective: Objective, x: Vector) -> Vector:
     """Steps of Gauss and Newton to where the fit ends whatever its path was: noises, cycles and derivatives
     are those of each x alone. Where signals rattle, or do not show all parameters, there is no such point. It
     stays where cycles are not found from their own start."""
-    low, high = (np.array([getattr(one, side) / one.size for one in objective.parameters]) for side in ENDS)
+    low, high = objective.bounds
     for _ in range(0 if objective.rattles else MOST_FITS):
         if not objective.restart(x):
             break

@@ -58,6 +58,12 @@ class Objective:
     def values(self, x: Vector) -> dict[str, float]:
         return {one.name: float(one.size * part) for one, part in zip(self.parameters, x, strict=True)}
 
+    @property
+    def bounds(self) -> tuple[Vector, Vector]:
+        """The lowest and the highest values over the parameters' sizes."""
+        low, high = np.array([(one.low / one.size, one.high / one.size) for one in self.parameters]).T
+        return low, high
+
     def predict(self, x: Vector) -> list[Prediction]:
         """Of all experiments, the nearest state before as start."""
         key = np.asarray(x).tobytes()
