@@ -55,25 +55,31 @@ def _doubt_signal(measured: Measured, i: int, noise: float, one: Eliminated) -> 
         )
 
 
-def _doubt_derivatives(objective: Objective, found: Fit) -> Iterator[str]:
-    """Where a change of all parameters by a deviation, or by no less than the step of differences, does not
-    change the signals as derivatives say."""
+def _doubt_derivatives(objective: Objective, found: Fit) -> list[str]:
+    """Where all parameters change by a deviation, or by no less than the step of differences, to either side:
+    a step of least squares that comes back from there to another place than the fit."""
     values, vectors = np.linalg.eigh(found.covariance)
+    # A library may give either sign of a vector.
+    vectors = vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), range(len(values))])
     step = vectors @ np.sqrt(np.maximum(values, 0.0))
-    step *= max(1.0, SHARE / np.max(np.abs(step) / np.maximum(np.abs(found.x), SHARE)))
-    slopes = [one.signals for one in objective.derivatives]
-    before, after = objective.predict(found.x), objective.predict(found.x + step)
-    for one, old, new, slope in zip(objective.measured.experiments, before, after, slopes, strict=True):
-        if new.message:
+    wide = max(1.0, SHARE / np.max(np.abs(step) / np.maximum(np.abs(found.x), SHARE)))
+    worst, told = MISSED, ""
+    for change in (wide * step, -wide * step):
+        if objective.find_failure(found.x + change):
             continue
-        changed = (new.signals - old.signals) / np.array(objective.noises)[:, None]
-        expected = slope @ step / np.array(objective.noises)[:, None]
-        missed = np.linalg.norm(changed - expected) / (np.linalg.norm(changed) or 1.0)
-        if missed > MISSED:
-            yield (
-                f"derivatives miss {missed:.2g} of what a standard deviation of all parameters changes "
-                f"{one.place}, and intervals do not hold".replace("  ", " ")
+        changed = objective.residual(found.x + change) - objective.residual(found.x)
+        rows = found.covariance @ found.jacobian.T * (changed - found.jacobian @ change)
+        errors = np.abs(rows.sum(axis=1)) / (wide * found.deviations)
+        k = int(errors.argmax())
+        if errors[k] > worst:
+            worst = errors[k]
+            shares = np.bincount(objective.measured.list_owners(), np.abs(rows[k]))
+            place = objective.measured.experiments[int(shares.argmax())].place
+            told = (
+                f"derivatives miss {worst:.2g} of a standard deviation of {objective.parameters[k].name} where "
+                f"all parameters change by theirs{place and f', most of it {place}'}, and intervals do not hold"
             )
+    return [told] if told else []
 
 
 def _split(measured: Measured, i: int, residual: Vector) -> Iterator[Vector]:

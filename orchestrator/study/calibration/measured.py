@@ -82,6 +82,12 @@ class Measured:
         every = np.concatenate([one.values[signal] for one in self.experiments])
         return np.asarray(every[np.isfinite(every)])
 
+    def list_owners(self) -> Vector:
+        """The place among the experiments of every number, signal after signal (`count`,)."""
+        rows = range(len(self.signals))
+        sizes = [int(np.isfinite(one.values[i]).sum()) for i in rows for one in self.experiments]
+        return np.repeat(list(range(len(self.experiments))) * len(self.signals), sizes)
+
 
 def parse_signal(text: str, outputs: Mapping[str, Quantity]) -> Signal:
     """Of "column = component.variable, offset, gain, noise 5 um"; the last three may be left out."""
