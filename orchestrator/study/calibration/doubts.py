@@ -76,8 +76,9 @@ def _doubt_derivatives(objective: Objective, found: Fit) -> list[str]:
             shares = np.bincount(objective.measured.list_owners(), np.abs(rows[k]))
             place = objective.measured.experiments[int(shares.argmax())].place
             told = (
-                f"derivatives miss {worst:.2g} of a standard deviation of {objective.parameters[k].name} where "
-                f"all parameters change by theirs{place and f', most of it {place}'}, and intervals do not hold"
+                f"derivatives miss {worst:.2g} of a standard deviation of {objective.parameters[k].name} "
+                f"where all parameters change by theirs{place and f', most of it {place}'}, and intervals do "
+                "not hold"
             )
     return [told] if told else []
 
