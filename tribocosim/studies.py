@@ -175,6 +175,7 @@ def sensitivities(
     speed: str | None = None,
     parameters: Sequence[str] = (),
     *,
+    period: str | None = None,
     run: bool = False,
     out: str | Path | None = None,
     workers: int | None = None,
@@ -183,9 +184,10 @@ def sensitivities(
 ) -> xarray.Dataset:
     """How the figures of merit of the steady cycle at `speed`, by default the scenario's, or of the `run` of
     the scenario from its start, change with `parameters`, over (figure, parameter): `elasticity`, the
-    relative change over that of the parameter, and its `error`. The attribute `method` is "tangents" where
-    derivatives are exact, else "differences" of whole cycles. Tangents have both sides, `below` and `above`,
-    of which `elasticity` is the mean.
+    relative change over that of the parameter, its `error`, and those of both sides, `below` and `above`.
+    The attribute `method` is "tangents" where derivatives are exact, else "differences" of whole cycles or
+    runs. Scenarios with FMUs of other tools are coupled; where no flywheel drives them their cycle has the
+    `period`, as "20 ms".
 
     Parameters are called "component.parameter", or "speed"; by default they are the speed and all continuous
     ones but zeros and elements of arrays. `out` keeps the cycles in a folder; a call that was stopped goes on
@@ -193,16 +195,12 @@ def sensitivities(
     """
     check_study_packages()
     from orchestrator.study.run import Where
-    from orchestrator.study.speeds.sensitivities import find_run_sensitivities, find_sensitivities
-    from orchestrator.study.speeds.sweep import parse_speed
+    from orchestrator.study.speeds.sensitivities import Asked, find_asked_sensitivities
 
-    content = read_tables(scenario)
+    content, asked = read_tables(scenario), Asked(parameters, speed, period, run)
     with _open_folder(out, "sensitivities") as folder:
         where, reporter = Where(workers=workers), SilentReporter(progress)
-        if run:
-            return find_run_sensitivities(content, speed, parameters, folder, reporter)
-        at = None if speed is None else parse_speed("speed", speed)
-        return find_sensitivities(content, at, parameters, folder, where, reporter, overwrite)
+        return find_asked_sensitivities(content, asked, folder, where, build_fmu, reporter, overwrite)
 
 
 @checks_arguments

@@ -13,16 +13,21 @@ from models.core.system import ModelError
 from models.monolithic import cycle_tangents, variation
 from orchestrator.errors import MistakeError, RunError
 from orchestrator.reporter import Reporter
+from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import load, put, read_changed, to_full_toml
 from orchestrator.scenario.system import list_parameters, list_quantities
 from orchestrator.study.run import Where
-from orchestrator.study.speeds import figure_slopes, sensitivities
+from orchestrator.study.speeds import coupled, figure_slopes, sensitivities
+from orchestrator.study.speeds.coupled import CoupledSubject
 from orchestrator.study.speeds.figure_slopes import SPEED, FigureSlopes, find_run_slopes, find_slopes
 from orchestrator.study.speeds.sensitivities import (
     SHARE,
     SHARES,
+    Asked,
+    SensitivitySubject,
     choose_parameters,
     differentiate,
+    find_asked_sensitivities,
     find_sensitivities,
     find_usable,
     publish,
@@ -32,6 +37,9 @@ from orchestrator.study.store import DONE, FAILED
 from orchestrator.texts import parse_toml
 from tribocosim.reporting import SilentReporter
 
+from ..third_party.c_fmus import fmu
+from ..third_party.runs import never
+from ..third_party.runs import scenario as foreign
 from .commands import called
 
 DRY = ("components.contact.parameters.film_model=dry",)
@@ -40,13 +48,109 @@ DRY = ("components.contact.parameters.film_model=dry",)
 def test_a_power_law_has_its_exponent_and_an_error_of_fourth_order():
     factors = 1.0 + SHARE * np.array([0.0, *SHARES])
     found = differentiate({"power": 7.0 * factors**2.5, "none": 0.0 * factors}, 1)
-    elasticity, error = found["power"]
+    elasticity, error, *_ = found["power"]
     # The term of order h^4 is 2.5 1.5 0.5 0.5 1.5 / 30 h^4 = 5e-14; rounding over h is 2e-13.
     assert elasticity == pytest.approx([2.5], abs=1e-12)
     assert error == pytest.approx([2.5 * 1.5 * 0.5 / 6.0 * SHARE**2], rel=1e-3)
     assert "none" not in found
     corner = differentiate({"corner": 1.0 + np.maximum(factors - 1.0 - 0.5 * SHARE, 0.0)}, 1)["corner"]
     assert corner[1] > 0.05 * corner[0]
+
+
+def test_differences_tell_both_sides_of_a_corner_and_the_noise():
+    """Both steps are the same about a corner: the sides tell it. Noise of 1e-9 is 1e-6 of a slope."""
+    factors = 1.0 + SHARE * np.array([0.0, *SHARES])
+    corner = np.maximum(factors - 1.0, 0.0) - 3.0 * np.minimum(factors - 1.0, 0.0)
+    elasticity, error, below, above = (float(one[0]) for one in differentiate({"g": 1.0 + corner}, 1)["g"])
+    assert (elasticity, error, below, above) == pytest.approx((-1.0, 2.0, -3.0, 1.0), abs=1e-12)
+    noise = np.random.default_rng(0).normal(scale=1e-9, size=(4000, len(factors)))
+    noise[:, 0] = 0.0
+    table = np.concatenate([[1.0], (factors + noise)[:, 1:].ravel()])
+    elasticities, errors, *_ = differentiate({"g": table}, len(noise))["g"]
+    within = np.abs(elasticities - 1.0) < 3.0 * errors
+    assert np.mean(within) > 0.8
+    assert np.median(errors) == pytest.approx(1e-6, rel=0.5)
+
+
+def test_beyond_the_edge_of_a_range_a_difference_is_one_sided():
+    factors = 1.0 + SHARE * np.array([0.0, *SHARES])
+    table = {"power": np.where(factors > 1.0, np.nan, factors**2.5)}
+    elasticity, error, below, above = (float(one[0]) for one in differentiate(table, 1)["power"])
+    # Of second order, it is off by 1.5 0.5 / 3 h^2 of itself; the first order is off by 2.5 1.5 / 2 h.
+    assert elasticity == below == pytest.approx(2.5, rel=0.26 * SHARE**2)
+    assert error == pytest.approx(2.5 * 1.5 / 2.0 * SHARE, rel=1e-2)
+    assert math.isnan(above)
+
+
+def list_coupled(subject):
+    """By figure what `differentiate` finds of all cases."""
+    cases = [subject.evaluate({"case": float(k)}) for k in range(1 + len(SHARES) * len(subject.parameters))]
+    return differentiate({n: np.array([one[n] for one in cases]) for n in cases[0]}, len(subject.parameters))
+
+
+def shaken(folder, **changes):
+    """A mass of another tool's FMU on a spring and a damper, that shakes with 4 rad/s."""
+    return foreign({"body": {"participant": fmu("shaken", 2, folder)}}, **{"macro_step": 0.01} | changes)
+
+
+PERIOD = math.pi / 2.0
+
+
+def test_the_amplitude_of_an_fmu_of_another_tool_changes_as_in_the_closed_form(tmp_path):
+    """|x| = F/sqrt((k - m w^2)^2 + (d w)^2). Its steps of 0.1 ms leave 3e-8; a parabola through rows of 5 ms
+    is off by 2e-7 of the amplitude."""
+    names, w = ("body.stiffness", "body.damping"), 4.0
+    scenario = shaken(tmp_path)
+    base = CoupledSubject(parse_toml(to_full_toml(scenario)), "", build=never, period=PERIOD)
+    subject = SensitivitySubject(base, math.nan, names)
+    elasticities, errors, *_ = list_coupled(subject)["body.position.maximum"]
+    stiff, square = 10.0 - w * w, (10.0 - w * w) ** 2 + (0.5 * w) ** 2
+    exact = np.array([-10.0 * stiff, -((0.5 * w) ** 2)]) / square
+    assert np.all(errors < 2e-5)
+    assert elasticities == pytest.approx(exact, abs=2e-5)
+
+
+def test_the_run_of_an_fmu_of_another_tool_has_a_table_with_errors(tmp_path):
+    """dx/dt = -k x: the mean of a run of t is (1 - exp(-k t))/(k t), its least value exp(-k t)."""
+    given = {"decay": {"participant": fmu("dahlquist", 2, tmp_path), "parameters": {"k": 0.5}}}
+    (tmp_path / "decay.toml").write_text(to_full_toml(foreign(given)), encoding="utf-8")
+    out = tmp_path / "out"
+    done = called(
+        "sensitivities", str(tmp_path / "decay.toml"), "--run", "--workers", "1", "--out", str(out),
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    head, *rows = (out / "sensitivities.csv").read_text("utf-8").splitlines()
+    assert head == "figure,value,unit,decay.k,decay.k error"
+    by_figure = {row.split(",")[0]: [float(cell) for cell in row.split(",")[3:]] for row in rows}
+    elasticity, error = by_figure["decay.x.minimum"]
+    assert abs(elasticity + 0.5) < error < 1e-6
+    # The trapezoidal rule is off by (k h)^2/12 of the mean.
+    assert by_figure["decay.x.mean"][0] == pytest.approx(0.5 / math.expm1(0.5) - 1.0, abs=1e-5)
+    assert "in a run of 1000 ms" in done.stdout
+    assert "differences over 0.1% and 0.2%" in " ".join(done.stdout.split())
+    assert "±" in (out / "sensitivities.html").read_text("utf-8")
+    assert (out / "sensitivities.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({}, r"no flywheel prescribes .* period='20 ms', or take"),
+        ({"period": "0.3 s"}, r"no steady cycle: body\.(position|velocity) still changes by .* run=True"),
+        ({"period": "0 s"}, "period='0 s': must be > 0, with its unit"),
+        ({"period": "3"}, "period='3': must be > 0, with its unit"),
+        ({"speed": "100 rpm"}, "no flywheel prescribes the speed"),
+        ({"period": "1 s", "run": True}, "period='1 s': is that of a steady cycle"),
+        ({"run": True, "parameters": ["body.position"]}, "body.position'.*: is an output"),
+        ({"run": True, "parameters": ["body.stifness"]}, "did you mean body.stiffness"),
+    ],
+)
+def test_what_has_no_coupled_sensitivities_is_named(monkeypatch, asked, said, tmp_path):
+    monkeypatch.setattr(coupled, "MOST", 40)
+    tables, where = parse_toml(to_full_toml(shaken(tmp_path))), Where(workers=1)
+    with pytest.raises((MistakeError, RunError), match=said):
+        find_asked_sensitivities(tables, Asked(**asked), tmp_path / "out", where, never, SilentReporter())
+    assert not (tmp_path / "out").exists()
 
 
 def find_masses(subject):
@@ -131,6 +235,17 @@ def test_slopes_of_a_run_are_those_of_differences(monkeypatch):
     for figure in ("contact.least_load", "contact.friction_power", "valve_spring.lift_area"):
         difference = (above[figure].value - below[figure].value) / (2.0 * share)
         assert exact[figure].slopes.sum() == pytest.approx(difference, rel=4e-4)
+    # Of the coupled train, in macro steps of 20 us.
+    tables = read_changed("valve-train", DRY)
+    ends = {f"components.flywheel.parameters.{end}_speed": speed for end in ("initial", "final")}
+    participants = {f"components.{name}.participant": "in-process" for name in tables["components"]}
+    put(tables, ends | participants | {"stop_time": 0.026, "macro_step": 2e-5})
+    base = CoupledSubject(parse_toml(to_full_toml(build_scenario(tables))), "flywheel", running=True)
+    found = list_coupled(SensitivitySubject(base, speed, (name, SPEED)))
+    for figure, within in (("contact.friction_power", 1e-5), ("contact.least_load", 0.02)):
+        elasticities, errors, *_ = found[figure]
+        assert elasticities == pytest.approx(exact[figure].slopes / exact[figure].value, rel=within)
+        assert np.all(errors < 1e-4)
 
 
 def test_at_the_edge_of_a_range_slopes_are_those_of_the_side_within(monkeypatch):
@@ -238,6 +353,7 @@ def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path, method, marked
         {"figure": ["contact.least_load"], "parameter": ["contact.viscosity", "speed"]},
         {"speed": 200.0, "status": 0, "method": method},
     )
+    dataset = dataset.assign(below=dataset["elasticity"], above=dataset["elasticity"])
     text = io.StringIO()
     reporter = Reporter(Console(file=text, width=200))
     publish(dataset, load("valve-train"), tmp_path, reporter)

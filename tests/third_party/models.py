@@ -300,6 +300,20 @@ MODELS["freezing"] = Model(
     "if (!$frozen) $y = 2 * $u;",
     depends={"y": ("u",)},
 )
+# The mass, shaken by a force of its own: $force cos($frequency t).
+SHAKEN = MODELS["sprung"].step.replace("$force", "$force * cos($frequency * (t + i * d))", 1)
+SHAKEN = SHAKEN.replace("($force -", "($force * cos($frequency * (t + i * d + d)) -", 1)
+MODELS["shaken"] = replace(
+    MODELS["sprung"],
+    variables=(
+        *(v for v in MODELS["sprung"].variables if v.name != "force"),
+        V("force", "parameter", 1.0),
+        V("frequency", "parameter", 4.0, unit="rad/s"),
+    ),
+    step=SHAKEN,
+    output="",
+    abilities="",
+)
 # These give their rates by the standard's call only.
 MODELS["called"] = replace(
     MODELS["sprung"],

@@ -124,7 +124,7 @@ def compare_sweeps(  # options of a command
 
 
 @report_errors
-def run_sensitivities(
+def run_sensitivities(  # noqa: PLR0913  # options of a command
     scenario: ScenarioName,
     speed: Annotated[
         str | None,
@@ -137,6 +137,10 @@ def run_sensitivities(
             help="Vary this parameter, or the speed; repeat for several.",
             show_default="speed and all continuous parameters but zeros and elements of arrays",
         ),
+    ] = None,
+    period: Annotated[
+        str | None,
+        typer.Option(metavar="TIME", help="Period of the cycle, where an FMU of another tool drives it."),
     ] = None,
     run: Annotated[
         bool, typer.Option("--run", help="Of the scenario's run from its start, in place of a steady cycle.")
@@ -156,21 +160,18 @@ def run_sensitivities(
     from orchestrator.reporter import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.study.run import Where
-    from orchestrator.study.speeds.sensitivities import find_run_sensitivities, find_sensitivities, publish
-    from orchestrator.study.speeds.sweep import parse_speed
+    from orchestrator.study.speeds.sensitivities import Asked, find_asked_sensitivities, publish
 
+    from ..cached_fmus import build_fmu
     from ..scenario import read_tables
 
     tables = read_tables(scenario, set_ or [])
     checked = build_scenario(tables)
     folder = out or Path("results") / f"{checked.name}-sensitivities"
-    reporter = build_reporter(as_json)
+    reporter, where = build_reporter(as_json), Where(workers=workers)
+    asked = Asked(parameter or [], speed, period, run)
     with tell_interruption():
-        if run:
-            found = find_run_sensitivities(tables, speed, parameter or [], folder, reporter)
-        else:
-            at, where = None if speed is None else parse_speed("speed", speed), Where(workers=workers)
-            found = find_sensitivities(tables, at, parameter or [], folder, where, reporter, overwrite)
+        found = find_asked_sensitivities(tables, asked, folder, where, build_fmu, reporter, overwrite)
     publish(found, checked, folder, reporter)
     if as_json:
         print_json(found.to_dict())

@@ -10,7 +10,7 @@ a figure is not smooth, as at the loss of contact.
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,8 @@ from models.core.words import tally
 from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 
 from ...analyses import Parameter, Result
+from ...analyses._evaluate import create_folder
+from ...analyses.stability.chosen import choose_master
 from ...assessment.friction.losses import remark_outside
 from ...assessment.notices import list_notices
 from ...errors import MistakeError, Option, RunError, one_of
@@ -34,15 +36,17 @@ from ...reporter import Reporter
 from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number, say, show, show_unit
 from ...scenario.files import put_parameters, to_full_toml
-from ...scenario.system import build_system, list_parameters, list_quantities
+from ...scenario.system import Builder, build_system, list_parameters, list_quantities, resolve
+from ...scenario.units import UnitError, is_bare, to_unit
 from ...scenario.values import Value
 from ...store.csv_file import write_sheet
-from ...store.output_folder import refuse_file
+from ...store.output_folder import PRINTED, refuse_file
 from ...texts import parse_toml
 from ..files import plan_axis
 from ..run import Where, run
 from ..store import DONE
 from ..subjects import NumberedSubject
+from .coupled import CoupledSubject, describe_statistics, is_coupled
 from .figure_slopes import SPEED, FigureSlopes, find_run_slopes, find_slopes
 from .subject import (
     STEADY,
@@ -51,13 +55,18 @@ from .subject import (
     describe_numbers,
     find_flywheel,
     find_own_speed,
-    measure_cycle,
 )
+from .sweep import parse_speed
 
 # Of a parameter; of the solver; of a cycle. At a tenth of this share the noise of figures, 1e-7, makes errors
 # of 1e-3; at ten times of it contacts' vibrations end in another phase.
 SHARE, TOLERANCE, CLOSED = 1e-3, 1e-11, 1e-9
 SHARES = (-2.0, -1.0, 1.0, 2.0)
+SIDES = ("below", "above")
+BY_DIFFERENCES = (
+    f"differences over {SHARE:.1%} and {2.0 * SHARE:.1%} of each parameter; ± is by what both steps, or both "
+    "sides, differ"
+)
 CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
 PAGE, CYCLES = "sensitivities.html", "cycles.zarr"
 TABLE, FIGURE = "sensitivities.csv", "sensitivities.png"
@@ -73,14 +82,32 @@ RPM = 30.0 / math.pi
 
 
 @dataclass(frozen=True)
+class Asked:
+    """By which parameters, "component.name" or "speed", and of what motion: the steady cycle at a speed, or
+    with a period, texts with units, or the run of the scenario."""
+
+    parameters: Sequence[str] = ()
+    speed: str | None = None
+    period: str | None = None
+    run: bool = False
+
+
+@dataclass(frozen=True)
 class SensitivitySubject(NumberedSubject):
-    """The cycles of a scenario beside that at a speed (rad/s), by the parameters "component.name"."""
+    """The motions of a scenario beside that at a speed (rad/s), by the parameters "component.name"; `halved`:
+    all of them in halved macro steps, too."""
 
     axis = CASE
 
     base: SpeedSubject
     speed: float
     parameters: tuple[str, ...]
+    halved: bool = False
+
+    @property
+    def count(self) -> int:
+        """Of the cases in one length of macro steps."""
+        return 1 + len(SHARES) * len(self.parameters)
 
     @property
     def results(self) -> Mapping[str, Result]:
@@ -92,55 +119,84 @@ class SensitivitySubject(NumberedSubject):
 
     def evaluate(self, values: Mapping[str, Value]) -> Mapping[str, float | str]:
         subject, speed = self.find_case(round(float(values["case"])))
-        return measure_cycle(subject.find_cycle_at(speed, TOLERANCE, CLOSED), subject.flywheel)
+        return subject.measure_at(speed, TOLERANCE, CLOSED)
 
     def find_case(self, case: int) -> tuple[SpeedSubject, float]:
         """The scenario and the speed (rad/s) of a cycle."""
+        base, (finer, case) = self.base, divmod(case, self.count)
+        if finer:
+            base = replace(base, tables={**base.tables, "macro_step": 0.5 * base.scenario.macro_step})
         if not case:
-            return self.base, self.speed
+            return base, self.speed
         which, step = divmod(case - 1, len(SHARES))
         name, factor = self.parameters[which], 1.0 + SHARE * SHARES[step]
         if name == SPEED:
-            return self.base, self.speed * factor
+            return base, self.speed * factor
         value = list_parameters(self.base.scenario)[name] * factor
-        return SpeedSubject(put_parameters(self.base.tables, {name: value}), self.base.flywheel), self.speed
+        return replace(base, tables=put_parameters(base.tables, {name: value})), self.speed
 
 
 def choose_parameters(scenario: Scenario, flywheel: str, wanted: Sequence[str]) -> tuple[str, ...]:
-    """The parameters "component.name" that `wanted` names; by default the speed and all continuous ones that
-    are not zero, but the drive's and elements of arrays. MistakeError for one that cannot be varied."""
+    """The parameters "component.name" that `wanted` names; by default the speed, unless `flywheel` is "", and
+    all continuous ones that are not zero, but the drive's and elements of arrays. MistakeError for one that
+    cannot be varied."""
     values, quantities = list_parameters(scenario), list_quantities(scenario)
     # Only whole ratios of speeds have a period.
     fixed = {name for name in values if quantities[name].jumps or name.endswith(".drive_ratio")}
-    varied = [name for name, value in values.items() if value != 0.0 and name not in fixed]
+    driven = [SPEED] if flywheel else []
+    varied = driven + [name for name, value in values.items() if value != 0.0 and name not in fixed]
     if not wanted:
-        return (SPEED, *(n for n in varied if not n.startswith(f"{flywheel}.") and "[" not in n))
+        return tuple(n for n in varied if not n.startswith(f"{flywheel}.") and "[" not in n)
     found = []
     for text in wanted:
         name = text.removeprefix("components.").replace(".parameters.", ".")
         check_varied(name, flywheel)
-        if name != SPEED and name not in varied:
-            if name not in values:
-                raise MistakeError((Option("parameter", text), f": {one_of([SPEED, *varied], name)}"))
-            why = "has no values in between" if name in fixed else "is zero, of which there is no share"
-            raise MistakeError((Option("parameter", text), f": {why}; {one_of([SPEED, *varied], '')}"))
+        if name not in varied:
+            why = "has no values in between; " if name in fixed else "is zero, of which there is no share; "
+            why = why if name in values else _explain_other(scenario, name)
+            raise MistakeError((Option("parameter", text), f": {why}{one_of(varied, name)}"))
         found.append(name)
     return tuple(dict.fromkeys(found))
 
 
-def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Vector, Vector]]:
-    """By figure its elasticities dg/g over dp/p (count,) and their distance from D(h), a third of what both
-    steps differ by; without those of a figure that is zero or unknown. `table`: the values of all cases."""
-    found = {}
+def _explain_other(scenario: Scenario, name: str) -> str:
+    """What a variable is that is no parameter."""
+    part, _, variable = name.partition(".")
+    if part in scenario.components:
+        component = scenario.components[part].resolve()
+        for kind, layout in (("n output", component.outputs), ("n input", component.inputs)):
+            if variable in layout.names:
+                return f"is a{kind}, which has no value of its own; "
+    return ""
+
+
+def differentiate(table: Mapping[str, Vector], count: int) -> dict[str, tuple[Vector, ...]]:
+    """By figure its elasticities dg/g over dp/p (count,), their errors, and those below and above; without
+    those of a figure that is zero or unknown. `table`: the values of all cases.
+
+    The error is the distance from D(h), a third of what both steps differ by, or half of what both sides
+    differ by if that is more. Sides are of second order: of a smooth figure they differ by noise alone, the
+    fourth difference over 2 h. Where one has no values, as beyond the edge of a range, the other one is the
+    elasticity, and its distance from that of first order the error.
+    """
+    found: dict[str, tuple[Vector, ...]] = {}
     for name, values in table.items():
-        cases = (
-            values[1:].reshape(count, len(SHARES)) / values[0] if values[0] else np.full((count, 4), np.nan)
+        if not values[0]:
+            continue
+        far_below, near_below, near_above, far_above = values[1:].reshape(count, len(SHARES)).T / values[0]
+        near = (near_above - near_below) / (2.0 * SHARE)
+        elasticity = (4.0 * near - (far_above - far_below) / (4.0 * SHARE)) / 3.0
+        below, above = (
+            side * (4.0 * one - two - 3.0) / (2.0 * SHARE)
+            for side, one, two in ((-1.0, near_below, far_below), (1.0, near_above, far_above))
         )
-        near = (cases[:, 2] - cases[:, 1]) / (2.0 * SHARE)
-        far = (cases[:, 3] - cases[:, 0]) / (4.0 * SHARE)
-        elasticity = (4.0 * near - far) / 3.0
+        error = np.maximum(np.abs(elasticity - near), 0.5 * np.abs(above - below))
+        for side, one, own in ((-1.0, near_below, below), (1.0, near_above, above)):
+            alone = np.isnan(elasticity)
+            error = np.where(alone, np.abs(own - side * (one - 1.0) / SHARE), error)
+            elasticity = np.where(alone, own, elasticity)
         if np.isfinite(elasticity).any():
-            found[name] = elasticity, np.abs(elasticity - near)
+            found[name] = elasticity, error, below, above
     return found
 
 
@@ -157,6 +213,23 @@ def find_usable(cycles: xarray.Dataset, reporter: Reporter) -> NDArray[np.bool_]
             f"{unsteady} cycles are not steady, see cycles.csv: their parameters have no sensitivities"
         )
     return usable
+
+
+def find_asked_sensitivities(
+    tables: Mapping[str, Any], asked: Asked, out: Path, where: Where, build: Builder, reporter: Reporter,
+    overwrite: bool = False,
+) -> xarray.Dataset:  # fmt: skip
+    """The elasticities of all figures over (figure, parameter), with their errors; the folder `out` keeps
+    what is compared. `build` makes the FMUs of coupled runs, which are taken where equations are unknown."""
+    scenario = build_scenario(tables)
+    if is_coupled(scenario):
+        return find_coupled_sensitivities(scenario, asked, out, where, build, reporter, overwrite)
+    if asked.period is not None:
+        raise MistakeError((Option("period", asked.period), ": is for FMUs of other tools"), "leave it out")
+    if asked.run:
+        return find_run_sensitivities(tables, asked.speed, asked.parameters, out, reporter)
+    speed = None if asked.speed is None else parse_speed("speed", asked.speed)
+    return find_sensitivities(tables, speed, asked.parameters, out, where, reporter, overwrite)
 
 
 def find_sensitivities(
@@ -179,23 +252,7 @@ def find_sensitivities(
     exact = _find_exact(base, speed, parameters, reporter)
     if exact is not None:
         return exact
-    last = len(parameters) * len(SHARES)
-    reporter.line(
-        f"{last + 1} steady cycles: {len(SHARES)} for each of {tally(len(parameters), 'parameter')}, and one"
-    )
-    description = f"{scenario.name}: cycles beside that at {speed:.6g} rad/s"
-    plan = plan_axis(scenario.name, description, subject, "case", (0.0, float(last)), last + 1)
-    status = run(plan, out / CYCLES, where, reporter, overwrite)
-    with xarray.open_zarr(out / CYCLES) as stored:
-        cycles = stored.load()
-    usable = find_usable(cycles, reporter)
-    values = {
-        name: np.where(usable, cycles[name].values, np.nan)
-        for name in subject.results
-        if name not in STEADY and not name.endswith("_angle")
-    }
-    found = {name: (values[name][0], *one) for name, one in differentiate(values, len(parameters)).items()}
-    return _build(found, parameters, speed=speed, status=status, method="differences")
+    return _compare(subject, out / CYCLES, where, reporter, overwrite)
 
 
 def find_run_sensitivities(
@@ -213,6 +270,122 @@ def find_run_sensitivities(
         found = find_run_slopes(base, _list_changes(base, largest, parameters))
     reporter.line(f"exact {stage}")
     return _divide(found, parameters, speed=largest, stop_time=base.scenario.stop_time)
+
+
+def find_coupled_sensitivities(
+    scenario: Scenario, asked: Asked, out: Path, where: Where, build: Builder, reporter: Reporter,
+    overwrite: bool = False,
+) -> xarray.Dataset:  # fmt: skip
+    """The same of a coupled run, or of the cycle in which it settles, by differences alone: the directional
+    derivatives of FMI are those of rates and outputs at an instant, by states and inputs, and no step's."""
+    refuse_file(out)
+    flywheel, speed, period = _find_coupled_cycle(scenario, asked)
+    reporter.notice(list_notices(scenario))
+    chosen = choose_master(resolve(scenario), reporter).scenario
+    if not asked.run and chosen.step_control is not None:
+        raise MistakeError(
+            "step_control: a cycle takes equal macro steps",
+            "leave [step_control] out",
+            ("take the scenario's run with ", Option("run", True)),
+        )
+    tables = parse_toml(to_full_toml(chosen))
+    if flywheel and not asked.run:
+        speed = find_own_speed(scenario, flywheel) if math.isnan(speed) else speed
+        tables = put_parameters(tables, {f"{flywheel}.{end}_speed": speed for end in ("initial", "final")})
+    base = CoupledSubject(tables, flywheel, build=build, period=period, running=asked.run)
+    own = SensitivitySubject(base, base.own_speed, choose_parameters(scenario, flywheel, asked.parameters))
+    with create_folder(out), reporter.keep_prints(out / PRINTED):
+        with reporter.stage("coupled run" if asked.run else "steady cycle of the coupled run"):
+            periods = int(own.evaluate({"case": 0.0})["periods"])
+        if not asked.run:
+            reporter.line(f"a steady cycle after {periods} periods")
+            base = replace(base, periods=periods)
+            own = replace(own, base=base)
+        own = replace(own, halved=chosen.step_control is None)
+        found = _compare(own, out / CYCLES, where, reporter, overwrite)
+    stop = {"stop_time": scenario.stop_time} if asked.run else {"period": period} if period > 0.0 else {}
+    return found.assign_attrs(stop)
+
+
+def _find_coupled_cycle(scenario: Scenario, asked: Asked) -> tuple[str, float, float]:
+    """The flywheel ("": none), the speed and the period that are asked for (nan: none)."""
+    if asked.run and (given := asked.speed or asked.period):
+        name = "speed" if asked.speed else "period"
+        raise MistakeError((Option(name, given), ": is that of a steady cycle"), "leave it out, for a run")
+    speed = math.nan if asked.speed is None else parse_speed("speed", asked.speed)
+    period = math.nan if asked.period is None else _parse_period(asked.period)
+    try:
+        flywheel = find_flywheel(scenario)
+    except MistakeError:
+        if asked.speed:
+            raise
+        if not asked.run and asked.period is None:
+            raise MistakeError(
+                f"{scenario.name}: no flywheel prescribes the speed of a cam, and so the period of a cycle",
+                ("give it, e.g. ", Option("period", "20 ms")),
+                ("take the scenario's run with ", Option("run", True)),
+            ) from None
+        return "", speed, period
+    if asked.period:
+        raise MistakeError(
+            (Option("period", asked.period), f": {flywheel} gives the period by its speed"),
+            ("leave it out, and give the ", Option("speed")),
+        )
+    return flywheel, speed, period
+
+
+def _parse_period(text: str) -> float:
+    try:
+        if (period := to_unit(text, "s")) > 0.0 and not is_bare(text):
+            return period
+        said = "must be > 0, with its unit, e.g. '20 ms'"
+    except UnitError as error:
+        said = str(error)
+    raise MistakeError((Option("period", text), f": {said}"))
+
+
+def _compare(
+    subject: SensitivitySubject, store: Path, where: Where, reporter: Reporter, overwrite: bool
+) -> xarray.Dataset:
+    """The elasticities by differences of all cases; those in halved macro steps, if there are any, with what
+    they differ by from the others in their errors."""
+    count, last = len(subject.parameters), subject.count * (1 + subject.halved) - 1
+    reporter.line(
+        f"{last + 1} motions: {len(SHARES)} for each of {tally(count, 'parameter')}, and one"
+        f"{', in two lengths of macro steps' if subject.halved else ''}"
+    )
+    name = subject.base.scenario.name
+    description = f"{name}: motions beside that at {subject.speed:.6g} rad/s"
+    plan = plan_axis(name, description, subject, "case", (0.0, float(last)), last + 1)
+    status = run(plan, store, where, reporter, overwrite)
+    with xarray.open_zarr(store) as stored:
+        cycles = stored.load()
+    found = _differentiate_cases(cycles.isel(case=slice(subject.count)), subject, reporter)
+    if subject.halved:
+        try:
+            finer = _differentiate_cases(cycles.isel(case=slice(subject.count, None)), subject, reporter)
+        except RunError as error:
+            reporter.line(f"what macro steps cost is not known, as they cannot be halved: {error}")
+        else:
+            steps = abs(finer["elasticity"] - found["elasticity"])
+            finer = finer.sel(figure=steps["figure"])
+            found = finer.assign(error=finer["error"] + steps).assign_attrs(halved=1)
+    return found.assign_attrs(status=status)
+
+
+def _differentiate_cases(
+    cycles: xarray.Dataset, subject: SensitivitySubject, reporter: Reporter
+) -> xarray.Dataset:
+    usable = find_usable(cycles, reporter)
+    values = {
+        name: np.where(usable, cycles[name].values, np.nan)
+        for name in subject.results
+        if name not in STEADY and not name.endswith("_angle")
+    }
+    found = differentiate(values, len(subject.parameters))
+    turning = {} if math.isnan(subject.speed) else {"speed": subject.speed}
+    known = {name: (values[name][0], *one) for name, one in found.items()}
+    return _build(known, subject.parameters, **turning, method="differences")
 
 
 def _open(
@@ -238,15 +411,15 @@ def _list_changes(base: SpeedSubject, speed: float, parameters: Sequence[str]) -
 
 
 def _build(
-    found: Mapping[str, tuple[float, Vector, Vector]], parameters: Sequence[str], **attributes: Any
+    found: Mapping[str, tuple[Any, ...]], parameters: Sequence[str], **attributes: Any
 ) -> xarray.Dataset:
-    """By figure its value, elasticities and their errors."""
+    """By figure its value, elasticities, their errors, and those below and above."""
     if not found:
         raise RunError(f"no figure of merit changes with {', '.join(parameters)}")
-    value, elasticity, error = (np.array(column) for column in zip(*found.values(), strict=True))
-    both = ("figure", "parameter")
+    value, *slopes = (np.array(column) for column in zip(*found.values(), strict=True))
+    names, both = ("elasticity", "error", *SIDES), ("figure", "parameter")
     return xarray.Dataset(
-        {"elasticity": (both, elasticity), "error": (both, error), "value": ("figure", value)},
+        {"value": ("figure", value)} | {n: (both, one) for n, one in zip(names, slopes, strict=True)},
         {"figure": list(found), "parameter": list(parameters)},
         attributes,
     )
@@ -270,14 +443,13 @@ def _divide(
     found: Mapping[str, FigureSlopes], parameters: Sequence[str], **attributes: float
 ) -> xarray.Dataset:
     """Slopes over their values."""
-    shares = {
-        name: (one.value, one.slopes / one.value, np.abs(one.corners / one.value))
-        for name, one in found.items()
-        if one.value and np.any(one.slopes)
-    }
-    dataset = _build(shares, parameters, **attributes, status=0, method="tangents")
-    half = np.array([0.5 * found[name].corners / found[name].value for name in shares])
-    return dataset.assign(below=dataset["elasticity"] - half, above=dataset["elasticity"] + half)
+    shares = {}
+    for name, one in found.items():
+        if one.value and np.any(one.slopes):
+            slopes, corners = one.slopes / one.value, one.corners / one.value
+            sides = slopes - 0.5 * corners, slopes + 0.5 * corners
+            shares[name] = one.value, slopes, np.abs(corners), *sides
+    return _build(shares, parameters, **attributes, status=0, method="tangents")
 
 
 def select_figures(dataset: xarray.Dataset) -> list[str]:
@@ -288,7 +460,14 @@ def select_figures(dataset: xarray.Dataset) -> list[str]:
         having = [name for name in names if name.rpartition(".")[2] == figure]
         contacts = [name for name in having if f"{name.rpartition('.')[0]}.least_load" in names]
         found += (contacts or having)[:1]
-    return found
+    # Of parts without figures of their own.
+    return [*found, *(n for n in names if n.endswith((".minimum", ".maximum")))][: len(MAIN)]
+
+
+def _name_figure(name: str) -> str:
+    """In words; statistics are told with the output."""
+    whole = name.endswith((".minimum", ".maximum"))
+    return (name.replace(".", " ") if whole else name.rpartition(".")[2]).replace("_", " ")
 
 
 def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Reporter) -> None:
@@ -297,13 +476,15 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     main = dataset.sel(figure=select_figures(dataset))
     largest = np.nanmax(np.abs(main["elasticity"].values), axis=0, initial=0.0)
     order = np.argsort(-largest, kind="stable")[:SHOWN]
-    results = describe_numbers(scenario)
-    attributes = dataset.attrs
-    run = f" in a run of {1e3 * attributes['stop_time']:.4g} ms" if "stop_time" in attributes else ""
-    at = f"{scenario.name} at {RPM * attributes['speed']:.0f} r/min{run}"
+    results = describe_numbers(scenario) | describe_statistics(scenario)
+    attributes, at = dataset.attrs, scenario.name
+    at += f" at {RPM * attributes['speed']:.0f} r/min" if "speed" in attributes else ""
+    for name, motion in (("stop_time", "run"), ("period", "cycle")):
+        at += f" in a {motion} of {1e3 * attributes[name]:.4g} ms" if name in attributes else ""
     title = f"{at}: change in % for 1 % more of a parameter; ~ where it is uncertain by more than 5 %"
-    title += "; less | more of it" if _list_sides(dataset) and _doubts(main).any() else ""
-    heads = (str(name).rpartition(".")[2].replace("_", " ") for name in main["figure"].values)
+    title += "; less | more of it" if _doubts(main).any() else ""
+    title += "; ± error of differences" if attributes["method"] == "differences" else ""
+    heads = (_name_figure(str(name)) for name in main["figure"].values)
     columns = Column("parameter", no_wrap=True), "its value"
     shown = Table(*columns, *heads, title=title, title_justify="left", padding=0)
     units = (
@@ -318,15 +499,20 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
         shown.add_row(name, values[name], *cells)
     answer = Answer(f"{at}: sensitivities", reporter)
     answer.table(shown)
+    if attributes["method"] == "differences":
+        halved = "halved" in attributes
+        answer.line(f"{BY_DIFFERENCES}, and what halved macro steps change" if halved else BY_DIFFERENCES)
     for text in remark_outside(build_system(scenario)):
         answer.line(text)
     out.mkdir(parents=True, exist_ok=True)
     frame = dataset["elasticity"].to_pandas()
     frame.insert(0, "value", dataset["value"].values)
     frame.insert(1, "unit", [results[name].unit for name in dataset["figure"].values])
-    for k in np.flatnonzero(_doubts(dataset).any(axis=0)):
-        for side in _list_sides(dataset):
-            frame[f"{dataset['parameter'].values[k]} {side}"] = dataset[side].values[:, k]
+    sides = np.any(_differ(dataset, abs(dataset["above"] - dataset["below"])), axis=0)
+    for k, name in enumerate(dataset["parameter"].values):
+        errors = ["error"] if attributes["method"] == "differences" else []
+        for column in [*errors, *(SIDES if sides[k] else ())]:
+            frame[f"{name} {column}"] = dataset[column].values[:, k]
     write_sheet(out / TABLE, frame.to_csv())
     drawn = main.isel(parameter=order).assign_coords(
         shown=("figure", own), size=("parameter", [values[str(main["parameter"].values[k])] for k in order])
@@ -338,27 +524,29 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
 def _say_parameters(dataset: xarray.Dataset, scenario: Scenario) -> dict[str, str]:
     """By parameter its value in the scenario, with its unit."""
     values, quantities = list_parameters(scenario), list_quantities(scenario)
-    said = {SPEED: f"{RPM * dataset.attrs['speed']:.4g} r/min"}
+    said = {SPEED: f"{RPM * dataset.attrs.get('speed', math.nan):.4g} r/min"}
     names = [str(name) for name in dataset["parameter"].values if name != SPEED]
     return said | {name: say(values[name], show(quantities[name])) for name in names}
 
 
+def _differ(dataset: xarray.Dataset, by: xarray.DataArray) -> NDArray[np.bool_]:
+    """Which elasticities differ by more than may be."""
+    return np.asarray(by > DOUBTFUL * np.maximum(np.abs(dataset["elasticity"]), LEAST))
+
+
 def _doubts(dataset: xarray.Dataset) -> NDArray[np.bool_]:
-    """Which elasticities are uncertain. The error of differences is a third of what both steps differ by,
-    that of tangents what both sides do."""
-    differing = dataset["error"].values * (3.0 if dataset.attrs["method"] == "differences" else 1.0)
-    return np.asarray(differing > DOUBTFUL * np.maximum(np.abs(dataset["elasticity"].values), LEAST))
-
-
-def _list_sides(dataset: xarray.Dataset) -> list[str]:
-    return [side for side in ("below", "above") if side in dataset]
+    """Which are uncertain. The error of differences is a third of what both steps differ by, that of tangents
+    what both sides do."""
+    return _differ(dataset, dataset["error"] * (3.0 if dataset.attrs["method"] == "differences" else 1.0))
 
 
 def _cell(one: xarray.Dataset) -> str:
-    """An elasticity; an uncertain one marked, where they are known with those below and above."""
+    """An elasticity, of differences with its error; an uncertain one marked, with both sides where these
+    differ."""
     if not math.isfinite(one["elasticity"]):
         return "–"
-    doubtful = bool(_doubts(one))
-    told = [float(one[side]) for side in (doubtful and _list_sides(one)) or ["elasticity"]]
+    differ = bool(_differ(one, abs(one["above"] - one["below"])))
+    told = [float(one[side]) for side in (SIDES if differ else ("elasticity",))]
     said = "|".join(format_number(value, 3) if abs(value) >= LEAST else "0" for value in told)
-    return f"{'~' if doubtful else ''}{said}"
+    error = f" ±{float(one['error']):.1g}" if one.attrs["method"] == "differences" else ""
+    return f"{'~' if _doubts(one) else ''}{said}{error}"

@@ -103,6 +103,10 @@ class SpeedSubject(NumberedSubject):
         period, turning = find_period(system, speed), [f"{self.flywheel}.angle"]
         return find_cycle(system, period, turning, start, SAMPLES, tolerance=tolerance, steady=steady)
 
+    def measure_at(self, speed: float, tolerance: float, steady: float) -> dict[str, float]:
+        """The results of that cycle."""
+        return measure_cycle(self.find_cycle_at(speed, tolerance, steady), self.flywheel)
+
     def find_motion_at(self, speed: float) -> Motion:
         """The cycle at this speed (rad/s)."""
         return to_motion(self.find_cycle_at(speed), self.flywheel)
