@@ -37,7 +37,6 @@ from ...scenario import Scenario, build_scenario
 from ...scenario.display import format_number, say, show, show_unit
 from ...scenario.files import put_parameters, to_full_toml
 from ...scenario.system import Builder, build_system, list_parameters, list_quantities, resolve
-from ...scenario.units import UnitError, is_bare, to_unit
 from ...scenario.values import Value
 from ...store.csv_file import write_sheet
 from ...store.output_folder import PRINTED, refuse_file
@@ -67,6 +66,7 @@ BY_DIFFERENCES = (
     f"differences over {SHARE:.1%} and {2.0 * SHARE:.1%} of each parameter; ± is by what both steps, or both "
     "sides, differ"
 )
+PERIOD = Parameter(0.02, "s", "period of the cycle", positive=True)
 CASE = Parameter(0.0, "1", "number of the cycle: the first is that of the scenario itself")
 PAGE, CYCLES = "sensitivities.html", "cycles.zarr"
 TABLE, FIGURE = "sensitivities.csv", "sensitivities.png"
@@ -222,12 +222,17 @@ def find_asked_sensitivities(
     """The elasticities of all figures over (figure, parameter), with their errors; the folder `out` keeps
     what is compared. `build` makes the FMUs of coupled runs, which are taken where equations are unknown."""
     scenario = build_scenario(tables)
+    for name, given in (("speed", asked.speed), ("period", asked.period)):
+        if asked.run and given is not None:
+            raise MistakeError(
+                (Option(name, given), ": is that of a steady cycle"), "leave it out, for a run"
+            )
     if is_coupled(scenario):
         return find_coupled_sensitivities(scenario, asked, out, where, build, reporter, overwrite)
     if asked.period is not None:
         raise MistakeError((Option("period", asked.period), ": is for FMUs of other tools"), "leave it out")
     if asked.run:
-        return find_run_sensitivities(tables, asked.speed, asked.parameters, out, reporter)
+        return find_run_sensitivities(tables, asked.parameters, out, reporter)
     speed = None if asked.speed is None else parse_speed("speed", asked.speed)
     return find_sensitivities(tables, speed, asked.parameters, out, where, reporter, overwrite)
 
@@ -256,12 +261,10 @@ def find_sensitivities(
 
 
 def find_run_sensitivities(
-    tables: Mapping[str, Any], speed: str | None, wanted: Sequence[str], out: Path, reporter: Reporter
+    tables: Mapping[str, Any], wanted: Sequence[str], out: Path, reporter: Reporter
 ) -> xarray.Dataset:
     """The same of the scenario's run, from its start to its `stop_time`. MistakeError where it has no
-    tangents, and for a `speed`, which is that of a cycle."""
-    if speed is not None:
-        raise MistakeError((Option("speed", speed), ": is that of a steady cycle"), "leave it out, for a run")
+    tangents."""
     refuse_file(out)
     base, parameters = _open(tables, wanted, reporter)
     values, stage = list_parameters(base.scenario), _name_stage("run", parameters)
@@ -293,27 +296,23 @@ def find_coupled_sensitivities(
         speed = find_own_speed(scenario, flywheel) if math.isnan(speed) else speed
         tables = put_parameters(tables, {f"{flywheel}.{end}_speed": speed for end in ("initial", "final")})
     base = CoupledSubject(tables, flywheel, build=build, period=period, running=asked.run)
-    own = SensitivitySubject(base, base.own_speed, choose_parameters(scenario, flywheel, asked.parameters))
+    parameters = choose_parameters(scenario, flywheel, asked.parameters)
     with create_folder(out), reporter.keep_prints(out / PRINTED):
         with reporter.stage("coupled run" if asked.run else "steady cycle of the coupled run"):
-            periods = int(own.evaluate({"case": 0.0})["periods"])
+            periods = int(base.measure_at(base.own_speed, TOLERANCE, CLOSED)["periods"])
         if not asked.run:
             reporter.line(f"a steady cycle after {periods} periods")
-            base = replace(base, periods=periods)
-            own = replace(own, base=base)
-        own = replace(own, halved=chosen.step_control is None)
-        found = _compare(own, out / CYCLES, where, reporter, overwrite)
+        base, halved = replace(base, periods=periods), chosen.step_control is None
+        subject = SensitivitySubject(base, base.own_speed, parameters, halved)
+        found = _compare(subject, out / CYCLES, where, reporter, overwrite)
     stop = {"stop_time": scenario.stop_time} if asked.run else {"period": period} if period > 0.0 else {}
     return found.assign_attrs(stop)
 
 
 def _find_coupled_cycle(scenario: Scenario, asked: Asked) -> tuple[str, float, float]:
     """The flywheel ("": none), the speed and the period that are asked for (nan: none)."""
-    if asked.run and (given := asked.speed or asked.period):
-        name = "speed" if asked.speed else "period"
-        raise MistakeError((Option(name, given), ": is that of a steady cycle"), "leave it out, for a run")
     speed = math.nan if asked.speed is None else parse_speed("speed", asked.speed)
-    period = math.nan if asked.period is None else _parse_period(asked.period)
+    period = math.nan if asked.period is None else parse_speed("period", asked.period, PERIOD, ("ms", "s"))
     try:
         flywheel = find_flywheel(scenario)
     except MistakeError:
@@ -332,16 +331,6 @@ def _find_coupled_cycle(scenario: Scenario, asked: Asked) -> tuple[str, float, f
             ("leave it out, and give the ", Option("speed")),
         )
     return flywheel, speed, period
-
-
-def _parse_period(text: str) -> float:
-    try:
-        if (period := to_unit(text, "s")) > 0.0 and not is_bare(text):
-            return period
-        said = "must be > 0, with its unit, e.g. '20 ms'"
-    except UnitError as error:
-        said = str(error)
-    raise MistakeError((Option("period", text), f": {said}"))
 
 
 def _compare(

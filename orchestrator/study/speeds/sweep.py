@@ -17,6 +17,7 @@ from rich.table import Column, Table
 from models.core.roles import Contact
 from models.monolithic.cycle import STEADY
 
+from ...analyses import Parameter
 from ...assessment.friction.losses import remark_outside
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
@@ -185,12 +186,16 @@ def parse_range(low: str, high: str, count: int) -> Range:
     return Range(ends[0], ends[1], count)
 
 
-def parse_speed(option: str, text: str) -> float:
-    """A speed (rad/s) that an option states with its unit; MistakeError where it is none."""
+def parse_speed(
+    option: str, text: str, kind: Parameter = SPEED, units: Sequence[str] = ("rpm", "rad/s")
+) -> float:
+    """A speed (rad/s), or what is of another kind, that an option states with its unit; MistakeError where
+    it is none. `units` are examples."""
     if is_bare(str(text)):
-        raise MistakeError((Option(option, text), f": write the unit, e.g. {text} rpm, or {text} rad/s"))
+        examples = ", or ".join(f"{text} {unit}" for unit in units)
+        raise MistakeError((Option(option, text), f": write the unit, e.g. {examples}"))
     try:
-        return float(SPEED.check_value("", text))
+        return float(kind.check_value("", text))
     except MistakeError as error:
         raise MistakeError((Option(option), error)) from None
 
