@@ -19,9 +19,7 @@ from orchestrator.assessment.friction.judge import (
     find_sliding,
     judge_friction,
     judge_losses,
-    list_soft,
     measure_others,
-    remark_soft,
 )
 from orchestrator.assessment.friction.losses import (
     BEARING,
@@ -35,6 +33,7 @@ from orchestrator.assessment.friction.losses import (
     TIP,
     list_losses,
 )  # fmt: skip
+from orchestrator.assessment.friction.remarks import list_soft, remark_friction, remark_soft
 from orchestrator.assessment.friction.report import WORN, Judged, remarks, tables, tabulate_others
 from orchestrator.assessment.motion import Motion
 from orchestrator.errors import MistakeError, Option, in_command_line
@@ -338,6 +337,15 @@ def test_soft_default_asperities_are_said_where_the_film_is_thinner_than_the_rou
     assert "set roughness_parameter and asperity_slope" in said
     assert not list_soft(build_system(load("finger-follower")), dict.fromkeys(thin, 0.0))
     assert not list(remark_soft([]))
+
+
+def test_torques_and_powers_say_what_they_leave_out_and_whose_asperities_are_soft() -> None:
+    """By the least film ratio of all values: 0.98, or none that is below 1. Nothing without friction."""
+    system, name = build_system(load("valve-train")), "contact.least_film_ratio"
+    outside, soft = remark_friction(system, {name: np.array([np.nan, 1.2, 0.98]), "contact.load": 0.1})
+    assert outside.startswith("friction outside the motion")
+    assert soft.startswith("contact: the film is thinner than the roughness")
+    assert list(remark_friction(system, {name: 1.0})) == list(remark_friction(system, {})) == [outside]
 
 
 @pytest.mark.parametrize(

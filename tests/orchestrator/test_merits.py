@@ -123,6 +123,15 @@ def test_a_run_that_ends_in_the_lift_has_the_margin_of_the_open_valve_or_none(re
     assert [merit.text for merit in merits if merit.figure == "spring_margin"] == [margin] * bool(margin)
 
 
+@pytest.mark.parametrize(("ratio", "slope"), [(0.5, 1e-3), (1.5, 1e-3), (0.5, 0.01)])
+def test_a_run_says_where_its_friction_depends_on_default_asperities(ratio, slope):
+    system = build_system(load("coil-clash", [f"components.contact.parameters.asperity_slope={slope}"]))
+    read = read_columns(contact__film_ratio=ratio + 0.0 * ANGLE)
+    told = describe(system, list_merits(system, {}, read), read)
+    soft = [line for line in told if line.startswith("contact: the film is thinner than the roughness")]
+    assert len(soft) == (ratio < 1.0 and slope == 1e-3)
+
+
 def test_a_run_tells_the_friction_of_all_shares():
     """Of a roller finger: rolling, slip, pin, tip and guide. The pad has the friction of its contact."""
     system = build_system(load("roller-friction"))

@@ -365,7 +365,7 @@ def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path, method, marked
             "value": ("figure", [300.0]),
         },
         {"figure": ["contact.least_load"], "parameter": ["contact.viscosity", "speed"]},
-        {"speed": 200.0, "status": 0, "method": method},
+        {"speed": 200.0, "status": 0, "method": method, "friction": ""},
     )
     dataset = dataset.assign(below=dataset["elasticity"], above=dataset["elasticity"])
     text = io.StringIO()
@@ -378,11 +378,14 @@ def test_what_differs_by_more_than_5_per_cent_is_marked(tmp_path, method, marked
 def test_where_both_sides_differ_each_has_its_elasticity(tmp_path):
     """Of a load of 300 N that falls by 0.6 % with less of a parameter and by 0.2 % with more of it."""
     slopes = {"contact.least_load": FigureSlopes(300.0, np.array([60.0, 30.0]), np.array([-240.0, 0.0]))}
-    dataset = sensitivities._divide(slopes, ["speed", "contact.viscosity"], speed=200.0)
+    slopes["contact.least_film_ratio"] = FigureSlopes(0.5, np.zeros(2), np.zeros(2))
+    base = SpeedSubject(read_changed("valve-train"), "flywheel")
+    dataset = sensitivities._divide(base, slopes, ["speed", "contact.viscosity"], speed=200.0)
     text = io.StringIO()
     publish(dataset, load("valve-train"), tmp_path, Reporter(Console(file=text, width=200)))
     assert "~0.6|-0.2" in text.getvalue()
     assert "less | more" in text.getvalue()
+    assert "contact: the film is thinner than the roughness" in text.getvalue()
     head, row = (tmp_path / "sensitivities.csv").read_text("utf-8").splitlines()
     assert head.split(",")[3:] == ["speed", "contact.viscosity", "speed below", "speed above"]
     assert [float(cell) for cell in row.split(",")[3:]] == pytest.approx([0.2, 0.1, 0.6, -0.2])

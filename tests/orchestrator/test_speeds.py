@@ -58,8 +58,10 @@ def test_a_sweep_leaves_a_table_cycles_and_figures(swept):
     page = html.unescape((out / "report.html").read_text("utf-8"))
     assert f"tribocosim speeds {out / 'swept.toml'} --from " in page
     doubt = "camshaft.parameters.power_p: has an effect only where law is high_powers"
+    soft = "contact: the film is thinner than the roughness, and the asperities are the default ones"
     for text in (said_text, page, (out / "summary.json").read_text("utf-8")):
         assert doubt in text
+        assert soft in text
     again = load(out / "swept.toml")
     assert to_full_toml(again) == (out / "swept.toml").read_text("utf-8")
     assert list_parameters(again) == list_parameters(load("valve-train")) | {"camshaft.power_p": 7.0}

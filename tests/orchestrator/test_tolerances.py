@@ -345,5 +345,7 @@ def test_the_command_continues_what_was_interrupted_and_finds_percentiles_and_yi
     assert (out / "tolerances.png").stat().st_size > 10_000
     page = (out / "tolerances.html").read_text("utf-8")
     assert "percentiles.csv" in page
+    assert "friction outside the motion: cam contact (contact)" in page
+    assert "the film is thinner" not in page  # a dry contact has none
     assert "power_p: has an effect only where law is high_powers" in page
     assert judged.stdout.count("power_p: has an effect") == 1

@@ -163,6 +163,17 @@ def test_designs_that_land_on_the_ramps_are_told():
     assert not list(describe_landing(choose_speeds({"lash=0": swept["lash=0"]}), ["lash=0"]))
 
 
+def test_remarks_on_friction_stand_below_the_table_with_the_designs_of_which_they_hold(tmp_path):
+    said, designs = StringIO(), {Variant(label, ()): {} for label in ("cold", "warm", "hot")}
+    told = {"cold": ["outside"], "warm": ["outside", "soft"], "hot": ["outside", "soft"]}
+    swept = {
+        tmp_path / label: make_swept(400.0, 1e9)._replace(summary={"friction": texts})
+        for label, texts in told.items()
+    }
+    sweep_variants(designs, tmp_path, Reporter(Console(file=said)), lambda tables, folder: swept[folder])
+    assert said.getvalue().splitlines()[-3:-1] == ["outside", "with warm; hot: soft"]
+
+
 def test_every_design_has_its_whole_name_in_a_narrow_table(tmp_path):
     labels = [f"lash=0.{i}5 mm" for i in range(4)]
     said = StringIO()

@@ -123,10 +123,9 @@ def print_friction(
     from orchestrator.assessment.friction.judge import (
         judge_friction,
         judge_losses,
-        list_soft,
         measure_others,
-        remark_soft,
     )
+    from orchestrator.assessment.friction.remarks import list_soft, remark_soft
     from orchestrator.assessment.friction.report import remarks, tables, tabulate, tabulate_others, write
     from orchestrator.assessment.friction.shares import remark_losses, tabulate_losses
     from orchestrator.errors import MistakeError, Option
@@ -190,8 +189,8 @@ def _report_sweeps(
 
     if (folder / RESULT).exists() or not folder.is_dir():
         return False
-    from orchestrator.assessment.friction.judge import remark_soft
     from orchestrator.assessment.friction.losses import describe_content
+    from orchestrator.assessment.friction.remarks import remark_soft
     from orchestrator.study.speeds import friction
 
     if not (sweeps := friction.list_sweeps(folder)):

@@ -1,7 +1,6 @@
 """Friction and wear of a run's contacts over a cam revolution, from its output folder."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,14 +18,11 @@ from ...store.output_folder import RESULT, SCENARIO, find_remedy, refuse_missing
 from ...store.result_file import open_result
 from ..merits import read_motion
 from ..motion import Motion, Part
-from ..trains import find_cams, find_law, find_trains, list_parts, parameter_of
+from ..trains import find_cams, find_law, find_trains, list_parts
 from .cycle import OF_CAM, OF_CONTACT, last_revolution, wear
 from .losses import POWER, list_losses
 from .report import OTHERS, Judged
 from .shares import Losses, measure_losses
-
-# Of a contact: what says how stiff its asperities are.
-ASPERITIES = ("roughness_parameter", "asperity_slope")
 
 
 def judge_friction(
@@ -95,29 +91,6 @@ def measure_others(motion: Motion, coefficient: float) -> dict[str, dict[str, fl
         )
         found[name] = dict(zip(OTHERS, numbers, strict=True))
     return found
-
-
-def list_soft(system: System, ratios: Mapping[str, float]) -> list[str]:
-    """The contacts whose asperities are the default ones, and whose film ratio is below 1; not 0, as that of
-    smooth or dry bodies."""
-    found = []
-    for name, ratio in ratios.items():
-        instance = system.instances[name]
-        fields = [field for field in instance.component.parameters.fields if field.name in ASPERITIES]
-        own = any(parameter_of(instance, field.name) != field.start for field in fields)
-        if 0.0 < ratio < 1.0 and fields and not own:
-            found.append(name)
-    return found
-
-
-def remark_soft(names: Sequence[str]) -> Iterator[str]:
-    """A sentence on such contacts; none without any."""
-    if names:
-        yield (
-            f"{', '.join(names)}: the film is thinner than the roughness, and the asperities are the default "
-            "ones, which are soft and bear little. With those of measured surfaces friction and wear may be "
-            f"larger: set {' and '.join(ASPERITIES)} of the contact"
-        )
 
 
 def _load_scenario(folder: Path) -> Scenario:

@@ -14,7 +14,7 @@ from models.valve_train.cams.table import Points
 
 from ...analyses._evaluate import create_folder, find_results
 from ...assessment.figures_of_merit import CONTACT
-from ...assessment.friction.losses import remark_outside
+from ...assessment.friction.remarks import remark_friction
 from ...assessment.motion import Motion, Part
 from ...assessment.notices import list_notices
 from ...assessment.springs import list_springs
@@ -234,7 +234,12 @@ def design(
     report(table, improved, answer)
     for text in said:
         answer.line(text)
-    for text in remark_outside(build_system(train.scenario)):
+    _, find_ratio = CONTACT["least_film_ratio"]
+    ratios = {
+        f"{part}.least_film_ratio": [find_ratio(Part(one, part)).value for one in after.motions.values()]
+        for part in train.train.contacts
+    }
+    for text in remark_friction(build_system(train.scenario), ratios):
         answer.line(text)
     answer.write(out, PAGE, (FIGURE, SCENARIO, LIFTS, TABLE, f"{CAM}/"))
     return table

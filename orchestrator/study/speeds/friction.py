@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from rich.table import Table
 
 from models.core.quantities import Vector
-from models.core.roles import Contact, Drive
+from models.core.roles import Drive
 from models.monolithic.cycle import STEADY
 
-from ...assessment.friction.judge import list_soft
 from ...assessment.friction.losses import SHARES, list_losses, name_outside
+from ...assessment.friction.remarks import find_film_ratios, list_soft
 from ...assessment.trains import list_parts
 from ...errors import MistakeError
 from ...plots.style import create_grid
@@ -78,9 +78,7 @@ def read_sheet(folder: Path) -> Sheet:
         torques[loss.share] = torques.get(loss.share, 0.0) + torque
         whole = whole if loss.acts else whole + torque
     unsteady, outside = RPM * every["speed"].values[~steady], name_outside(list_losses(system))
-    films = {name: f"{name}.least_film_ratio" for name in list_parts(system, Contact)}
-    ratios = {name: float(table[film].min()) for name, film in films.items() if film in table}
-    soft = list_soft(system, ratios)
+    soft = list_soft(system, find_film_ratios(table.data_vars))
     return Sheet(folder.name, RPM * speed, torques, given, whole, unsteady, outside, soft)
 
 

@@ -26,7 +26,7 @@ from models.monolithic.cycle import STEADY as LARGEST_CHANGE
 from ...analyses import Parameter, Result
 from ...analyses._evaluate import create_folder
 from ...analyses.stability.chosen import choose_master
-from ...assessment.friction.losses import remark_outside
+from ...assessment.friction.remarks import remark_friction
 from ...assessment.notices import list_notices
 from ...errors import MistakeError, Option, RunError, one_of
 from ...plots.merits import LEAST, draw_tornado
@@ -272,7 +272,7 @@ def find_run_sensitivities(
     with reporter.stage(stage):
         found = find_run_slopes(base, _list_changes(base, largest, parameters))
     reporter.line(f"exact {stage}")
-    return _divide(found, parameters, speed=largest, stop_time=base.scenario.stop_time)
+    return _divide(base, found, parameters, speed=largest, stop_time=base.scenario.stop_time)
 
 
 def find_coupled_sensitivities(
@@ -359,7 +359,8 @@ def _compare(
             steps = abs(finer["elasticity"] - found["elasticity"])
             finer = finer.sel(figure=steps["figure"])
             found = finer.assign(error=finer["error"] + steps).assign_attrs(halved=1)
-    return found.assign_attrs(status=status)
+    friction = _remark(subject.base, cycles.isel(case=0).data_vars)
+    return found.assign_attrs(status=status, friction=friction)
 
 
 def _differentiate_cases(
@@ -425,11 +426,16 @@ def _find_exact(
         reporter.line(f"no exact derivatives, but differences of whole cycles: {error}")
         return None
     reporter.line(f"exact {_name_stage('cycle', parameters)}")
-    return _divide(found, parameters, speed=speed)
+    return _divide(base, found, parameters, speed=speed)
+
+
+def _remark(base: SpeedSubject, values: Mapping[str, Any]) -> str:
+    """Lines to stand beside friction and torques."""
+    return "\n".join(remark_friction(build_system(base.scenario), values))
 
 
 def _divide(
-    found: Mapping[str, FigureSlopes], parameters: Sequence[str], **attributes: float
+    base: SpeedSubject, found: Mapping[str, FigureSlopes], parameters: Sequence[str], **attributes: float
 ) -> xarray.Dataset:
     """Slopes over their values."""
     shares = {}
@@ -438,7 +444,8 @@ def _divide(
             slopes, corners = one.slopes / one.value, one.corners / one.value
             sides = slopes - 0.5 * corners, slopes + 0.5 * corners
             shares[name] = one.value, slopes, np.abs(corners), *sides
-    return _build(shares, parameters, **attributes, status=0, method="tangents")
+    friction = _remark(base, {name: one.value for name, one in found.items()})
+    return _build(shares, parameters, **attributes, friction=friction, status=0, method="tangents")
 
 
 def select_figures(dataset: xarray.Dataset) -> list[str]:
@@ -491,7 +498,7 @@ def publish(dataset: xarray.Dataset, scenario: Scenario, out: Path, reporter: Re
     if attributes["method"] == "differences":
         halved = "halved" in attributes
         answer.line(f"{BY_DIFFERENCES}, and what halved macro steps change" if halved else BY_DIFFERENCES)
-    for text in remark_outside(build_system(scenario)):
+    for text in dataset.attrs["friction"].splitlines():
         answer.line(text)
     out.mkdir(parents=True, exist_ok=True)
     frame = dataset["elasticity"].to_pandas()

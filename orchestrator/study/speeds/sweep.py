@@ -18,7 +18,7 @@ from models.core.roles import Contact
 from models.monolithic.cycle import STEADY
 
 from ...analyses import Parameter
-from ...assessment.friction.losses import remark_outside
+from ...assessment.friction.remarks import remark_friction
 from ...assessment.friction.shares import add_losses
 from ...assessment.lost_contact import find_lost
 from ...assessment.trains import list_parts
@@ -116,10 +116,8 @@ def _conclude(
     """Say what is to be noticed, write, and draw; the content of summary.json."""
     known, system = subject.list_warnings({}), build_system(subject.scenario)
     doubts = list_doubts(subject, system, table)
-    found = [
-        *([second["text"]] if second else []), *doubts, *describe_lift_loss(table),
-        *remark_outside(system),
-    ]  # fmt: skip
+    friction = list(remark_friction(system, table.data_vars))
+    found = [*([second["text"]] if second else []), *doubts, *describe_lift_loss(table), *friction]
     for text in found:
         reporter.line(text)
     toml = to_full_toml(subject.scenario)
@@ -128,6 +126,7 @@ def _conclude(
         "separation": first and first._asdict(),
         "second_separation": second,
         "notices": [*known, *found],
+        "friction": friction,
         "doubts": [*(text for text in known if text.startswith(WARNING)), *doubts],
         "version": metadata.version("tribocosim"),
         "scenario_toml": toml,

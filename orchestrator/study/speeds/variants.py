@@ -244,6 +244,16 @@ def describe_landing(judged: Judged, labels: Sequence[str]) -> Iterator[str]:
     yield f"valves close, and land on the ramps, with {'; '.join(kept)}{rest}"
 
 
+def join_remarks(swept: Mapping[str, Swept]) -> Iterator[str]:
+    """What the sweeps say of friction, each once: after the designs of which it holds, if not all."""
+    holds: dict[str, list[str]] = {}
+    for label, one in swept.items():
+        for text in one.summary.get("friction", ()):
+            holds.setdefault(text, []).append(label)
+    for text, labels in holds.items():
+        yield text if len(labels) == len(swept) else f"with {'; '.join(labels)}: {text}"
+
+
 def _find_fault(table: xarray.Dataset, name: str) -> str:
     """What the worst `ramp_left` or `least_lift` of a valve says against a design."""
     (valve, _, figure), worst = name.rpartition("."), find_worst(table, name, 1.0)
@@ -288,7 +298,7 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
         for column in choose_shown(columns):
             shown.add_row(column.title, *(w.describe(False) if w else "–" for w in column.worst[several]))
         reporter.console.print(shown)
-    for line in describe_landing(judged, list(swept)):
+    for line in (*describe_landing(judged, list(swept)), *join_remarks(swept)):
         reporter.line(line)
     rows = [
         ["design", *swept],

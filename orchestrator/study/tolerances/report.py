@@ -40,8 +40,9 @@ def publish(
     answer.table(_tabulate(main, limits, title))
     for line in describe(main, limits):
         answer.line(line)
-    for line in filter(None, [*dataset.attrs["cycles"].splitlines(), dataset.attrs["friction"]]):
-        answer.line(line)
+    for text in (dataset.attrs["cycles"], dataset.attrs["friction"]):
+        for line in text.splitlines():
+            answer.line(line)
     dataset.to_netcdf(out / RESULTS, engine="h5netcdf")
     write_rows(out / PERCENTILES, _list_percentiles(dataset))
     write_rows(out / INDICES, _list_indices(dataset))

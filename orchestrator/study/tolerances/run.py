@@ -17,7 +17,7 @@ from models.monolithic.cycle import USABLE
 from models.valve_train.worn_cam import sample_cam
 
 from ...analyses import Result
-from ...assessment.friction.losses import remark_outside
+from ...assessment.friction.remarks import remark_friction
 from ...assessment.notices import list_notices
 from ...assessment.springs import list_clashing, warn_of_clash
 from ...errors import MistakeError, RunError
@@ -115,10 +115,10 @@ def find_tolerances(
     found = xarray.merge([*parts, find_yields(values, usable, design, limits)])
     steady = int(usable[_rows(design, SAMPLE)].sum())
     counts = {"trains": len(design), "sampled": 2 * design.half, "steady": steady}
-    outside = " ".join(remark_outside(system := build_system(scenario)))
+    friction = "\n".join(remark_friction(system := build_system(scenario), values))
     told = "\n".join([*describe_cycles(trains, design, usable), *describe_clashes(values, system)])
     return found.assign_attrs(
-        speed_rpm=RPM * subject.speed, status=status, friction=outside, cycles=told, **counts
+        speed_rpm=RPM * subject.speed, status=status, friction=friction, cycles=told, **counts
     )
 
 

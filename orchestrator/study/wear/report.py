@@ -14,7 +14,7 @@ from models.monolithic.cycle import STEADY
 from models.valve_train.worn_cam import FINEST, PLACES
 
 from ...assessment.figures_of_merit import CONTACT
-from ...assessment.friction.judge import list_soft, remark_soft
+from ...assessment.friction.remarks import list_soft, remark_soft
 from ...errors import Option, Words
 from ...scenario.files import to_full_toml
 from ...scenario.lift_table import format_lifts
