@@ -161,7 +161,7 @@ def make_field_advance(component: Component) -> Any:
                 copy(state.pressure, pressure)
                 copy(state.film, film)
                 copy(state.filling, w.filling[:filled])
-                keep_heat(state, 0.0 if jumped_over else length, w)
+                keep_heat(state, 0.0 if jumped_over else length, GAMMA, w)
                 observe(state, given, parameters, bodies, laws, w)
                 if sampled:
                     sample(length if jumped_over else GAMMA * length, t, s + length, x, U, u, p, work)

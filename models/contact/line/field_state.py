@@ -61,11 +61,11 @@ def field_layout(nodes: int, filled: int, layers: int = 0) -> Layout:
         pressure: Any = pressed.each("pressure over the nodes", "nodes")
         film: Any = thin.each("film over the nodes", "nodes")
         slope: Any = Quantity("Pa/s", nominal=1e12, internal=True).each(
-            "rate of pressure in the last step", "nodes"
+            "rate of pressure by which the next is foretold", "nodes"
         )
         filling: Any = number.each("oil over what fills the gap, over the nodes", "filled", 1.0)
         temperature: Any = rise.each("rise over nodes and rows", "temperature")
-        temperature_slope: Any = rise_rate.each("rate of the rises in the last step", "temperature")
+        temperature_slope: Any = rise_rate.each("rate of the rises at the last step's end", "temperature")
         micro_step: Any = time.each("length that the next micro-step may have; 0: any", "heated")
         film_rise: float = rise("largest in the film")
         film_rise_rate: float = rise_rate("its rate")

@@ -66,11 +66,12 @@ def laws_of(layers: int) -> Any:
 
 
 @kernel
-def keep_heat(x: Any, time_step: float, w: Workspace) -> None:
-    """Temperatures and their rates into the state, `time_step` (s) after those that it has; 0: by a jump."""
+def keep_heat(x: Any, time_step: float, part: float, w: Workspace) -> None:
+    """Temperatures and their rates into the state, `time_step` (s) after those that it has; 0: by a jump. The
+    last stage, of that part of the step, began with those in w.heat.slope."""
     for i in range(x.temperature.shape[0]):
-        change = w.heat.flat[i] - x.temperature[i]
-        x.temperature_slope[i] = change / time_step if time_step > 0.0 else 0.0
+        change = w.heat.flat[i] - w.heat.slope[i]
+        x.temperature_slope[i] = change / (part * time_step) if time_step > 0.0 else 0.0
         x.temperature[i] = w.heat.flat[i]
     rise = w.heat.rise
     rows = rise.shape[1]

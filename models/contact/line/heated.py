@@ -72,21 +72,17 @@ def is_settled(changed: float, before: float, settled: float) -> bool:
 
 
 @kernel
-def warm_through(heat: Heat) -> float:
-    """`warm` forth and back; the largest change over the highest rise, nan where that is not finite."""
-    copy(heat.guess, heat.flat)
-    warm(heat, 1)
-    warm(heat, -1)
-    return find_change(heat)
-
-
-@kernel
 def close(heat: Heat) -> bool:
-    """`warm` until what is left, the order in which columns are solved, closes the balance of heat."""
-    for _ in range(MOST_TURNS):
-        if warm_through(heat) <= CLOSED:
+    """`warm` until what is left, the order in which columns are solved, closes the balance of heat; the last
+    time was back."""
+    step = 1
+    for _ in range(2 * MOST_TURNS):
+        copy(heat.guess, heat.flat)
+        warm(heat, step)
+        if find_change(heat) <= CLOSED:
             settle_heat(heat)
             return True
+        step = -step
     return False
 
 
@@ -113,7 +109,10 @@ def solve_film(
         warm_asperities(h, problem.scale, sliding, bodies, laws, w)
         shear_film(w.X, problem.scale, p, h, sliding, fluid, laws, heat, w.nodes)
         build_columns(p, h, problem, old, laws, w.X, w.nodes, heat)
-        changed = warm_through(heat)
+        copy(heat.guess, heat.flat)
+        warm(heat, 1)
+        warm(heat, -1)
+        changed = find_change(heat)
         if not math.isfinite(changed):
             break
         if is_settled(changed, before, laws.settled):
@@ -184,15 +183,19 @@ def base_heat_after(
 
 @kernel
 def foretell_heat(later: float, w: Workspace) -> None:
-    """Temperatures guessed `later` (s) than the start by the rates of the last step."""
+    """Temperatures guessed `later` (s) than the start by their rates there."""
     for i in range(w.heat.flat.shape[0]):
         w.heat.flat[i] += later * w.heat.slope[i]
 
 
 @kernel
 def foretell_heat_after(share: float, w: Workspace) -> None:
-    """Temperatures guessed further along the way from the start to the middle."""
+    """Temperatures guessed further along the way from the start to the middle; in w.heat.slope those from
+    which the last stage begins."""
     rise, start, middle = w.heat.rise, w.heat.start, w.heat.middle
+    rows = rise.shape[1]
     for i in range(rise.shape[0]):
-        for r in range(rise.shape[1]):
-            rise[i, r] = start[i, r] + share * (middle[i, r] - start[i, r])
+        for r in range(rows):
+            way = middle[i, r] - start[i, r]
+            rise[i, r] = start[i, r] + share * way
+            w.heat.slope[i * rows + r] = rise[i, r] - way

@@ -43,6 +43,7 @@ def take_heat(x: Any, before: Any, w: Workspace) -> None:
     """A stage begins with the state's temperatures as guess, and with what `carry_heat` wrote as base."""
     n = w.X.shape[0]
     copy(w.heat.flat, x.temperature)
+    copy(w.heat.slope, x.temperature)
     copy(w.heat.pressure_base, before[_HOT : _HOT + n])
     copy_rows(w.heat.base, shaped(before[_HOT + n :], w.heat.base.shape))
     x.film_rise, x.surface_rise = before[_FILM_RISE], before[_SURFACE_RISE]
@@ -115,7 +116,7 @@ def implicit_field(component: Any) -> ImplicitSteps:
             copy(state.filling, w.filling)
         state.grid_scale, state.rigid_approach = scale, found.approach
         if layers > 0:
-            keep_heat(state, interval, w)
+            keep_heat(state, interval, 1.0, w)
         observe(state, given, constants, bodies, laws, w)
         state.film_rate = (state.film_thickness - before[_FILM]) / interval
         state.curvature_rate = (state.curvature - before[_CURVATURE]) / interval

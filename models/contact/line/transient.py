@@ -19,7 +19,15 @@ from ..asperities import pressure_under
 from ..fluid import Lubricant
 from ..hertz import deflection, find_load, half_width, maximum_pressure
 from .cavities import drain_at_the_end, fill_partly, fill_share, keeps_oil, settle
-from .heated import base_heat, base_heat_after, begin_heat, foretell_heat, foretell_heat_after, solve_film
+from .heated import (
+    base_heat,
+    base_heat_after,
+    begin_heat,
+    foretell_heat,
+    foretell_heat_after,
+    is_heated,
+    solve_film,
+)
 from .hierarchical import BAND, Jacobian
 from .mixed import FREE, Bodies, fill_total, film_of, is_balanced_side, mean_plane_gap
 from .newton import (
@@ -340,9 +348,12 @@ def step(
             return FilmStep(found.approach, half_scale, math.inf, found.approach)
     base_heat_after(w.p_start, p, half_scale, w.mass_middle, GAMMA, time_step, laws, w)
     foretell_heat_after(1.0 / GAMMA, w)
-    # The second stage begins where the first leads to.
+    # The second stage begins where the first leads to. Pressures of a heated film are foretold by their rates
+    # at a step's end, others by the mean ones, with which cavities keep their oil to rounding.
+    hot = is_heated(laws)
     for i in range(n):
         alone = p[i] == q[i]
+        slope[i] = second_base(q_start[i], q[i]) if hot else q_start[i]
         q[i] = foretold(q[i], (q[i] - q_start[i]) / GAMMA, 1.0 - GAMMA)
         if alone:
             p[i] = q[i]
@@ -356,6 +367,6 @@ def step(
         end_filling(p, h, new_scale, GAMMA * time_step, end.flow, w)
         w.nodes.share[:] = 1.0
     for i in range(n):
-        slope[i] = (q[i] - q_start[i]) / time_step
+        slope[i] = (q[i] - slope[i]) / (GAMMA * time_step if hot else time_step)
     error = estimate(p, h, new_scale, time_step, given, bodies, w)
     return FilmStep(found.approach, new_scale, error / tolerance, middle_approach)

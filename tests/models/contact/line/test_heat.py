@@ -222,7 +222,7 @@ def settled(layers, entraining=2.0, sliding=1.0, **parameters):
     return contact.component.outputs.named(contact.y)
 
 
-def test_a_step_goes_on_with_the_last_rates_of_temperatures_and_the_length_that_errors_allow():
+def test_a_step_goes_on_with_the_rates_at_its_start_and_the_length_that_errors_allow():
     contact, h = Contact(layers=LAYERS, load_is_given=1.0, roughness=0.0), 1e-7
     running = {"applied_load": 500.0, "entraining_velocity": 2.0, "sliding_velocity": 1.0}
     rises = []
@@ -232,7 +232,10 @@ def test_a_step_goes_on_with_the_last_rates_of_temperatures_and_the_length_that_
         rises.append(state.temperature.copy())
     assert state.micro_step[0] > h
     assert np.max(rises[-1]) > 0.0
-    np.testing.assert_allclose(state.temperature_slope, (rises[-1] - rises[-2]) / h, rtol=1e-9)
+    mean, before = (rises[-1] - rises[-2]) / h, (rises[-2] - rises[-3]) / h
+    at_end = 1.5 * mean - 0.5 * before
+    error = np.max(np.abs(state.temperature_slope - at_end))
+    assert error < 0.5 * np.max(np.abs(mean - at_end))
 
 
 NAMES = ("film_thickness", "minimum_film_thickness", "maximum_pressure", "viscous_friction")
