@@ -19,10 +19,17 @@ from models.core.remedies import name_source as name_source
 FEW = 12  # names that are read at a glance
 
 
+def find_near(name: str, known: Iterable[str]) -> list[str]:
+    """The known names like it: none is more than twice as far as the nearest, by difflib's measure."""
+    close = difflib.get_close_matches(name, known)
+    far = [1.0 - difflib.SequenceMatcher(None, one, name).ratio() for one in close]
+    return [one for one, away in zip(close, far, strict=True) if away <= 2.0 * far[0]]
+
+
 def one_of(names: Iterable[str], given: object = "") -> str:
     """The end of a message about a choice: the likeliest names, and all of them where they are few."""
     known, text = list(names), str(given)[:100].lower()
-    close = difflib.get_close_matches(text, known) or [n for n in known if len(text) > 2 and text in n][:3]
+    close = find_near(text, known) or [n for n in known if len(text) > 2 and text in n][:3]
     if close and len(known) > FEW:
         return f"did you mean {' or '.join(close)}?"
     more = f" and {len(known) - FEW} more" if len(known) > FEW else ""

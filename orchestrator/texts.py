@@ -25,6 +25,10 @@ INTEGERS = range(-(2**63), 2**63)
 # tomllib's time for a dotted key grows with the square of its parts.
 MOST_DOTS = 1000
 _NUMBER = re.compile(r"(?<![.\d])\d+\.\d+(?![.\d])")
+# A value without quotes in a line of TOML; a comma between digits is a part of it.
+_BARE = re.compile(r"([\w.-]+)\s*=\s*([^\s\"'\[{#](?:,(?=\d)|[^,}#\"])*?)\s*(?=,(?!\d)|[}#]|$)")
+_COMMA = re.compile(r"(?<=\d),(?=\d)")
+_PLACE = re.compile(r"\(at line (\d+), column \d+\)$")
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 
 
@@ -126,7 +130,34 @@ def _load_toml(text: str) -> dict[str, Any]:
     for number, line in enumerate(text.splitlines(), 1):
         if line.count(".") > MOST_DOTS and _NUMBER.sub("", line).count(".") > MOST_DOTS:
             raise ValueError(f"line {number}: has more than {MOST_DOTS} dots")
-    return tomllib.loads(text)
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = _PLACE.search(str(error))
+        remedy = _find_bare(text.split("\n")[int(place[1]) - 1]) if place else ""
+        raise ValueError(f"{error}{remedy}") from None
+
+
+def _find_bare(line: str) -> str:
+    """The remedy for the first value of a line that has no quotes and should."""
+    for key, value in _BARE.findall(line[:LONGEST_KEY]):
+        made = _COMMA.sub(".", value)
+        if value in ("True", "False"):
+            return f"; write {key} = {value.lower()}"
+        if _is_toml(value):
+            continue
+        if _is_toml(made):
+            return f"; a number has a decimal point: {key} = {made}"
+        return f'; a text, or a number with a unit, stands in quotes: {key} = "{made}"'
+    return ""
+
+
+def _is_toml(value: str) -> bool:
+    try:
+        tomllib.loads(f"value = {value}")
+    except ValueError:
+        return False
+    return True
 
 
 def _check(content: Any) -> None:

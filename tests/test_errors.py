@@ -64,6 +64,8 @@ def test_a_file_named_before_each_line_leaves_the_actions_to_the_face() -> None:
 def test_of_many_names_an_error_gives_the_nearest_and_of_few_all() -> None:
     many = [f"part_{i}.force" for i in range(45)]
     assert one_of([*many, "valve.lift"], "valve.lft") == "did you mean valve.lift?"
+    spring = [f"valve_spring.{name}" for name in ("preload", "lash", "spring_rate")]
+    assert one_of([*many, *spring], "valve_spring.preloda") == "did you mean valve_spring.preload?"
     assert one_of(many, "x").endswith("part_11.force and 33 more")
     assert one_of(["jacobi", "newton"], "jacob") == "did you mean jacobi? It must be one of jacobi, newton"
 

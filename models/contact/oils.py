@@ -65,7 +65,7 @@ def evaluate_oil(oil: Oil, temperature: float) -> State:
     """The oil at a temperature (K); ValueError outside the range of the equations."""
     if not COLDEST <= temperature <= HOTTEST:
         low, high = COLDEST - ZERO_CELSIUS, HOTTEST - ZERO_CELSIUS
-        raise ValueError(f"must be {low:g} to {high:g} degC, e.g. '90 degC' (without a unit it is in kelvin)")
+        raise ValueError(f"must be {low:g} to {high:g} degC")
     kinematic = 1e6 * kinematic_viscosity(oil, temperature)
     if kinematic < THINNEST:
         raise ValueError(f"the oil has {kinematic:.2g} mm2/s, less than {THINNEST:g}: take a lower one")

@@ -17,7 +17,7 @@ from models.core.quantities import Layout
 from models.core.remedies import in_python
 from models.core.system import suggestion
 
-from ..errors import Command, MistakeError, Set, Words
+from ..errors import Command, MistakeError, Set, Words, find_near
 from ..texts import DEEPEST, parse_value, read_toml, to_path
 from . import Scenario, ScenarioError, build_scenario, find_tables
 from .component_table import ComponentTable
@@ -77,7 +77,7 @@ def _suggest_near(path: Path) -> Words:
         name: name for name in list_shipped()
     }
     written = path.stem[:100]
-    close = difflib.get_close_matches(written, near, 1, 0.9) or difflib.get_close_matches(written, near)
+    close = find_near(written, near)
     return f"did you mean {' or '.join(near[one] for one in close)}? " if close else "", LISTED
 
 

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from models.core.system import suggestion
 
 from ..errors import ExplainedError, Fault, one_of
+from .units import explain_comma
 from .values import Faults
 
 MOST = 10  # faults that are told at once
@@ -100,6 +101,8 @@ def _describe_allowed(fault: Any) -> str:
         return f"must have at least {'one entry' if least == 1 else f'{least} entries'}"
     if kind in BOUNDS:
         return f"must be {BOUNDS[kind][0]} {bound[BOUNDS[kind][1]]:g}"
+    if kind == "float_type" and (comma := explain_comma(str(fault["input"]))):
+        return comma
     if kind in FIXED:
         return FIXED[kind]
     text = fault["msg"].replace("Input should be", "must be").replace(" valid", "")

@@ -6,12 +6,22 @@ from typing import Annotated, Any
 from pydantic import Field, TypeAdapter, ValidationError
 
 from models.contact.oil_grades import GRADES
-from models.contact.oils import ROELANDS_PRESSURE, SLOPES, ZERO_CELSIUS, Oil, evaluate_oil, walther_slope
+from models.contact.oils import (
+    COLDEST,
+    HOTTEST,
+    ROELANDS_PRESSURE,
+    SLOPES,
+    ZERO_CELSIUS,
+    Oil,
+    evaluate_oil,
+    walther_slope,
+)
 from models.core import roles
 from models.core.system import suggestion
 
 from .fields import Table, in_unit
 from .messages import place_faults
+from .units import is_bare
 from .values import Faults, Inserted, WithUnit, build_component
 
 Viscosity = Annotated[float, in_unit("m2/s")]
@@ -137,7 +147,10 @@ def in_celsius(temperature: float) -> str:
 
 
 def _read_temperature(written: Any) -> float:
-    """In kelvin; Faults."""
+    """In kelvin; Faults, also for a plain number that is an oil's temperature in degC only."""
+    if is_bare(str(written)) and COLDEST <= float(written) + ZERO_CELSIUS <= HOTTEST:
+        said = f" = {written}: without a unit this is {written} K"
+        raise Faults(("temperature", f"{said}; write '{written} degC'"))
     try:
         return _TEMPERATURE.validate_python(written)
     except ValidationError as error:

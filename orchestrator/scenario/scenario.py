@@ -361,6 +361,12 @@ def _send_on(fault: Fault, content: Mapping[str, Any]) -> Fault:
         name = table.removeprefix("components.")
         if close := difflib.get_close_matches(name, [other for other in known if other != name], n=1):
             return replace(fault, remedy=f"did you mean components.{close[0]}?")
+    other = OILS.get(key, "")
+    if fault.said == f": missing beside {other}" and other in content and isinstance(known, dict) and table:
+        of_all = f"set {other} = {known[table.removeprefix('components.')][other]!r} of the scenario"
+        return replace(
+            fault, remedy=f"{of_all}, which every part has, or give this part its own {key}, {near}"
+        )
     if not isinstance(near, str) or not near.startswith("known: "):
         return fault
     if not table and (meant := find_tables(key)):
@@ -384,6 +390,7 @@ def _list_tables(content: Mapping[str, Any], name: str) -> Mapping[str, Sequence
     )
 
 
+OILS = {"oil": "temperature", "temperature": "oil"}
 TABLES: dict[str, type[Table]] = {
     "step_control": StepControlTable,
     "reference": ReferenceTable,

@@ -63,6 +63,10 @@ _DEGREES = re.compile(
     r"|(?:deg(?:ree)?s?[ _]|°) *([CF]))\b",
     re.IGNORECASE,
 )
+# Of speeds; those of German, French and Italian, where U is no enzyme's and tr no pint's.
+_REVOLUTIONS = re.compile(r"\b(?:(?:r|revs?|u|tr|tours?|giri) */ *min|upm|rpm)\b", re.IGNORECASE)
+_PER_MINUTE = ("1/min", "min^-1", "min-1", "min⁻¹")
+_COMMA = re.compile(r"([+-]?[\d.]*),(\d+)(.*)")
 _SHORT = {"C": "degC", "F": "degF", "K": "K"}
 LONGEST = 200  # characters of a number with its unit
 # Pint computes powers of numbers, which may take for ever: none above two digits, none of a power.
@@ -102,6 +106,8 @@ def to_unit(text: str, unit: str, relative: bool = False, shown: str = "") -> fl
     text = text.strip()
     if len(text) > LONGEST:
         raise UnitError(f"{text[:30]!r}... is no number with a unit: it has {len(text)} characters")
+    if said := explain_comma(text):
+        raise UnitError(f"{text!r}: {said}")
     match = _NUMBER_AND_UNIT.fullmatch(text)
     if match is None:
         if unit == "1":
@@ -125,6 +131,17 @@ def to_unit(text: str, unit: str, relative: bool = False, shown: str = "") -> fl
     return number * factor
 
 
+def explain_comma(text: str) -> str:
+    """What to write for a number with a comma; "" without one."""
+    if not (found := _COMMA.fullmatch(text.strip()[:LONGEST])):
+        return ""
+    whole, part, rest = found.groups()
+    if rest.startswith((".", ",")):
+        return f"write '{whole}{part}{rest.replace(',', '')}', without commas"
+    point = f"a decimal comma; write '{whole.replace('.', '')}.{part}{rest}', with a point"
+    return f"{point}, or '{whole}{part}{rest}'" if len(part) == 3 else point
+
+
 def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
     """The factor from the unit `given` to `unit`, and where its zero is in `unit` (273.15 for degC in K).
 
@@ -134,6 +151,10 @@ def find_conversion(text: str, given: str, unit: str) -> tuple[float, float]:
         wanted = _load_registry().Unit("" if unit == "1" else _to_pint(unit))
     except Exception:
         raise UnitError(f"{text!r}: the FMU's unit {unit!r} is unknown; write a plain number in it") from None
+    if given in _PER_MINUTE and unit != "1" and _fits("rpm", unit):
+        raise UnitError(
+            f"{text!r}: the unit {given} does not fit a speed; write '{text.removesuffix(given).strip()} rpm'"
+        )
     try:
         units = _load_registry().Unit(_to_pint(given))
     except Exception:
@@ -152,7 +173,7 @@ def _hint(given: str, unit: str) -> str:
     """What a unit of another dimension may mean."""
     if (given, unit) == ("C", "K"):
         return " (C is the coulomb; degrees Celsius are degC)"
-    if given in ("1/min", "min^-1", "min-1", "1/s", "Hz") and _fits("rpm", unit):
+    if given in ("1/s", "Hz") and _fits("rpm", unit):
         return " (for revolutions write rpm or r/s)"
     mass, force = _MASS.search(given), _MASS.sub(r"\1f", given)
     if mass is None or unit == "1" or not _fits(force, unit):
@@ -230,14 +251,14 @@ def _load_registry() -> Any:
 
 
 def _to_pint(unit: str) -> str:
-    """Convert FMI's notation (N.s/m, kg.m2), r/min and rev to pint's."""
+    """Convert FMI's notation (N.s/m, kg.m2), revolutions and degrees to pint's."""
     if len(unit) <= LONGEST:
         unit = unicodedata.normalize("NFKC", unit)  # ℃ becomes °C, m² m2
     if not _is_plain(unit):
         raise UnitError(f"{unit[:30]!r} is no unit")
     unit = _DEGREES.sub(lambda found: _SHORT[(found[1] or found[2])[0].upper()], unit)
     unit = "revolution" if unit == "rev" else unit
-    unit = unit.replace("r/min", "rpm").replace("°", "degree").replace(".", "*").replace("·", "*")
+    unit = _REVOLUTIONS.sub("rpm", unit).replace("°", "degree").replace(".", "*").replace("·", "*")
     unit = re.sub(r"\b([kmM]?N)(mm?)\b", r"\1*\2", unit)  # pint's Nm is a number of yarn
     above, slash, below = unit.partition("/")
     if slash and "*" in below:

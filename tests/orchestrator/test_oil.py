@@ -115,7 +115,9 @@ VISCOSITIES = 'viscosity_40 = "63 mm2/s", viscosity_100 = "11 cSt"'
 REFUSED = {
     by_grade('oil = "SAE 5W-3"'): r"oil = 'SAE 5W-3': no such grade; did you mean SAE 5W-30",
     by_grade("oil = 46"): r"oil = 46: must be the name of a grade, or a table",
-    by_grade("temperature = 90"): r"temperature = -183.15 degC: must be -20 to 200 degC, .* in kelvin",
+    by_grade("temperature = 90"): r"= 90: without a unit this is 90 K; write '90 degC'",
+    by_grade("temperature = -5"): r"temperature = -5: without a unit this is -5 K; write '-5 degC'",
+    by_grade("temperature = 900"): r"temperature = 626.85 degC: must be -20 to 200 degC$",
     by_grade('temperature = "90 mm"'): r"temperature: '90 mm': the unit mm does not fit",
     by_grade('temperature = "-15 degC"'): r"= -15 degC: the oil has 1637 mm2/s, .* holds to 800",
     by_grade("parameters = { viscosity = 0.02 }"): r"viscosity = 0.02: the oil gives it too",
@@ -134,7 +136,16 @@ REFUSED = {
     '[components.contact]\ntemperature = "90 degC"\n': r"oil: missing beside temperature",
     'oil = "SAE 5W-30"\n': r"temperature: missing beside oil",
     'oil = "SAE 5W-3"\ntemperature = "90 degC"\n': r"oil = 'SAE 5W-3': no such grade",
-    'oil = "SAE 30"\ntemperature = 90\n': r"temperature = -183.15 degC: must be -20 to 200 degC",
+    'oil = "SAE 30"\ntemperature = 90\n': r"= 90: without a unit this is 90 K; write '90 degC'",
+    'oil = "SAE 30"\ntemperature = "90"\n': r"; write '90 degC'",
+    'oil = "SAE 30"\ntemperature = "90 degC"\n[components.contact]\ntemperature = "110 degC"\n': (
+        r"components.contact.oil: missing beside temperature; set temperature = '110 degC' of the scenario, "
+        r"which every part has, or give this part its own oil, e.g. oil = 'SAE 5W-30'"
+    ),
+    'oil = "SAE 30"\ntemperature = "90 degC"\n[components.contact]\noil = "SAE 5W-30"\n': (
+        r"components.contact.temperature: missing beside oil; set oil = 'SAE 5W-30' of the scenario, "
+        r"which every part has, or give this part its own temperature, e.g. temperature = '90 degC'"
+    ),
 }
 
 

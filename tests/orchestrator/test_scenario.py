@@ -197,6 +197,20 @@ def test_a_name_is_that_of_a_folder_below_the_results(name):
         load("two-masses", [f"name={name!r}"])
 
 
+PER_MINUTE = (
+    "r/min",
+    "rev/min",
+    "RPM",
+    "U/min",
+    "u/min",
+    "Upm",
+    "tr/min",
+    "tours/min",
+    "giri/min",
+    "giri / min",
+)
+
+
 @pytest.mark.parametrize(
     ("text", "unit", "value"),
     [
@@ -204,7 +218,7 @@ def test_a_name_is_that_of_a_folder_below_the_results(name):
         ("5 us", "s", 5e-6),
         ("2 µm", "m", 2e-6),
         ("1000 rpm", "rad/s", 1000.0 * math.pi / 30.0),
-        ("1000 r/min", "rad/s", 1000.0 * math.pi / 30.0),
+        *((f"30 {unit}", "rad/s", math.pi) for unit in PER_MINUTE),
         ("20 degree", "rad", math.radians(20.0)),
         ("-20°", "rad", -math.radians(20.0)),
         ("35 kN/m", "N/m", 35e3),
@@ -238,6 +252,13 @@ def test_conversion(text, unit, value):
         ("30 kg/cm2", "Pa", ("kgf/cm2",)),
         ("eight mm", "m", ("eight mm", "'8 mm'")),
         ("", "m", ("''", "'8 mm'")),
+        ("0,2 mm", "m", ("'0,2 mm': a decimal comma; write '0.2 mm', with a point",)),
+        (",5", "1", ("write '.5', with a point",)),
+        ("1.234,5 mm", "m", ("write '1234.5 mm', with a point",)),
+        ("2,000 rpm", "rad/s", ("write '2.000 rpm', with a point, or '2000 rpm'",)),
+        ("1,234.5 mm", "m", ("write '1234.5 mm', without commas",)),
+        ("2000 1/min", "rad/s", ("1/min does not fit a speed; write '2000 rpm'",)),
+        ("2000 min⁻¹", "rad/s", ("write '2000 rpm'",)),
         ("1 __import__('os')", "s", ("__import__", "known unit")),
     ],
 )

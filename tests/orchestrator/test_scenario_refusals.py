@@ -89,6 +89,9 @@ BAD = {
     "master.order=[1]": ("--set master.order[1] = 1: must be a string",),
     "tolerance.contact.load=nan": ("--set tolerance.contact.load = nan: must be a finite number > 0",),
     "step_control.relative=nan": ("--set step_control.relative = nan: must be a finite number > 0",),
+    "step_control.relative=0,01": ("'0,01': a decimal comma; write '0.01', with a point",),
+    "tolerance.contact.load=1,5e-3": ("write '1.5e-3', with a point",),
+    "components.camshaft.parameters.lift=8,5 mm": ("write '8.5 mm', with a point",),
     "step_control.relative=1": ("--set step_control.relative = 1: must be < 1",),
     "step_control={minimum_step='1 us', maximum_step='1 ns'}": (
         "--set step_control.minimum_step = 1e-06 s: must not be longer than maximum_step = 1e-09 s",

@@ -2,6 +2,7 @@
 
 import math
 import os
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -66,6 +67,28 @@ def test_torques_may_be_written_without_a_sign():
 @pytest.mark.parametrize("unit", ["N/mm**2", "N/mm^2", "kg.m2/s2", "m^(1/2)", "mm2/s", "1/GPa", "m²"])
 def test_powers_that_engineers_write_are_units(unit):
     assert units.to_base_units(unit) is not None
+
+
+@pytest.mark.parametrize(
+    ("line", "remedy"),
+    [
+        ("lash = 0.2 mm", 'a text, or a number with a unit, stands in quotes: lash = "0.2 mm"'),
+        ("lash = 0.2mm # cold", 'in quotes: lash = "0.2mm"'),
+        ("lash = 0,2 mm", 'in quotes: lash = "0.2 mm"'),
+        ("lash = 0,2", "a number has a decimal point: lash = 0.2"),
+        ("parameters = { law = 'a', lash = -.2 mm, mass = 3 }", 'in quotes: lash = "-.2 mm"'),
+        ("parameters.angle = 20°", 'in quotes: parameters.angle = "20°"'),
+        ("law = cycloidal", 'in quotes: law = "cycloidal"'),
+        ("flexible = True", "write flexible = true"),
+    ],
+)
+def test_a_value_without_its_quotes_is_told_with_them(line, remedy, tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text(f"a = 1\n\n{line}\n", "utf-8")
+    with pytest.raises(MistakeError) as error:
+        load(file)
+    said = rf"mine.toml: not a valid TOML file: .*\(at line 3, column \d+\); .*{re.escape(remedy)}$"
+    assert re.search(said, str(error.value))
 
 
 TEXTS = {

@@ -57,6 +57,13 @@ def test_several_values_make_every_combination():
     assert list_variants([]) == [Variant("", ())]
     with pytest.raises(MistakeError, match="the same value twice"):
         list_variants(["a.mass=1,1"])
+    for written in ("0,2 mm", "0.1 mm,0,2 mm", "0,2 mm,0,3 mm"):
+        with pytest.raises(
+            MistakeError, match=r"'0,2 mm': .*write 0\.2 mm, with a point, or the unit of each"
+        ):
+            list_variants([f"a.lash={written}"])
+    for written in ("0,0.1 mm", "0, 2 mm", "1 mm,2 mm", "1,2"):
+        assert len(list_variants([f"a.lash={written}"])) == 2
 
 
 def test_a_weak_design_does_not_cut_the_speeds_of_the_others():

@@ -44,6 +44,8 @@ BESIDE, NARROW = 4, 13
 EXPLAINED = re.compile("[,;:]| in radians")
 # A number with its unit.
 _NUMBER = re.compile(r"([-+]?[\d.]+(?:[eE][-+]?\d+)?) *(.*)")
+# A number without its unit before digits with one: 0,2 mm.
+_DECIMAL_COMMA = re.compile(r"(?:^|,) *([+-]?\d+),(\d+ *[^\W\d][^,]*)")
 # A value of several: commas in brackets and quotes are its own.
 _VALUE = re.compile(r"""(?:\[[^]]*\]|\{[^}]*\}|"[^"]*"|'[^']*'|[^,])+""")
 
@@ -86,10 +88,17 @@ def list_variants(settings: Sequence[str]) -> list[Variant]:
 
 
 def _split(written: str) -> list[str]:
-    """The values between commas; one where the whole is a value, such as a list or a quoted text."""
+    """The values between commas; one where the whole is a value, such as a list or a quoted text.
+
+    MistakeError for a decimal comma.
+    """
     try:
         tomllib.loads(f"value = {written.strip()}")
     except tomllib.TOMLDecodeError:
+        if comma := _DECIMAL_COMMA.search(written):
+            said = f": '{comma[1]},{comma[2]}': a comma stands between values"
+            remedy = f"write {comma[1]}.{comma[2]}, with a point, or the unit of each value"
+            raise MistakeError((Option("set"), said), remedy) from None
         return [value.strip() for value in _VALUE.findall(written) if value.strip()] or [written]
     return [written]
 
