@@ -17,21 +17,23 @@ from orchestrator.scenario import build_scenario
 from orchestrator.scenario.files import load, put, read_changed, to_full_toml
 from orchestrator.scenario.system import list_parameters, list_quantities
 from orchestrator.study.run import Where
-from orchestrator.study.speeds import coupled, figure_slopes, sensitivities
+from orchestrator.study.speeds import coupled, differences, figure_slopes, sensitivities
 from orchestrator.study.speeds.coupled import CoupledSubject
-from orchestrator.study.speeds.figure_slopes import SPEED, FigureSlopes, find_run_slopes, find_slopes
-from orchestrator.study.speeds.sensitivities import (
+from orchestrator.study.speeds.differences import (
     SHARE,
     SHARES,
-    Asked,
     SensitivitySubject,
-    choose_parameters,
     differentiate,
+    find_usable,
+)
+from orchestrator.study.speeds.figure_slopes import SPEED, FigureSlopes, find_run_slopes, find_slopes
+from orchestrator.study.speeds.sensitivities import (
+    Asked,
+    choose_parameters,
     find_asked_sensitivities,
     find_sensitivities,
-    find_usable,
-    publish,
 )
+from orchestrator.study.speeds.sensitivities_report import publish
 from orchestrator.study.speeds.subject import SpeedSubject
 from orchestrator.study.store import DONE, FAILED
 from orchestrator.texts import parse_toml
@@ -327,7 +329,7 @@ def test_each_number_that_an_oil_gives_varies_alone(monkeypatch, tmp_path):
         raise MistakeError("no derivative is known")
 
     monkeypatch.setattr(sensitivities, "find_slopes", refuse)
-    monkeypatch.setattr(sensitivities, "run", run)
+    monkeypatch.setattr(differences, "run", run)
     oil = ("components.contact.oil=SAE 5W-30", "components.contact.temperature=90 degC")
     tables, where = read_changed("valve-train", oil), Where(workers=1)
     with pytest.raises(RunError, match="as far"):

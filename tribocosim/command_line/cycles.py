@@ -160,7 +160,8 @@ def run_sensitivities(  # noqa: PLR0913  # options of a command
     from orchestrator.reporter import tell_interruption
     from orchestrator.scenario import build_scenario
     from orchestrator.study.run import Where
-    from orchestrator.study.speeds.sensitivities import Asked, find_asked_sensitivities, publish
+    from orchestrator.study.speeds.sensitivities import Asked, find_asked_sensitivities
+    from orchestrator.study.speeds.sensitivities_report import publish
 
     from ..cached_fmus import build_fmu
     from ..scenario import read_tables

@@ -16,7 +16,7 @@ from ...reporter import Reporter
 from ...scenario.display import Shown, add_unit, format_number, show_attributes
 from ...store.csv_file import write_rows
 from ..speeds.compare import LEAST_IS_WORST
-from ..speeds.sensitivities import select_figures
+from ..speeds.sensitivities_report import select_figures
 from .limits import Limit
 from .run import ALL
 from .statistics import PERCENTS
