@@ -28,6 +28,7 @@ from orchestrator.study.speeds.sweep import Swept, select_columns
 from orchestrator.study.speeds.variants import (
     Variant,
     choose_speeds,
+    describe_frugal,
     describe_landing,
     list_variants,
     sweep_variants,
@@ -66,23 +67,54 @@ def test_several_values_make_every_combination():
         assert len(list_variants([f"a.lash={written}"])) == 2
 
 
-def test_a_weak_design_does_not_cut_the_speeds_of_the_others():
-    """Each is judged where it and the strongest keep contact and are steady; the strongest has its load over
-    the same speeds beside it."""
+def test_designs_are_judged_over_the_same_speeds():
+    """Where all keep contact and are steady; one that does at none of the speeds of others is left out."""
     weak, strong, never = make_swept(400.0, 300.0), make_swept(500.0, 1e9), make_swept(300.0, 0.0)
     ripples = xarray.DataArray([0.0, 9e-4, 0.1], dims="speed")
     swept = {"weak": weak, "rippled": strong._replace(table=strong.table.assign(change=ripples))}
     judged = choose_speeds({**swept, "strong": strong, "never": never})
-    assert judged.reference == "strong"
-    ranges = [("955", "1910"), ("955", "1910"), ("955", "2865"), ("", "")]
-    assert list(judged.list_ranges()) == ranges
+    assert (judged.low, judged.high) == ("955", "1910")
+    assert [table.sizes["speed"] for table in judged.good] == [2, 2, 3, 0]
     (load,) = tabulate(judged)
-    assert [worst and worst.value for worst in load.worst] == [200.0, 300.0, 200.0, None]
-    assert [worst and worst.value for worst in load.beside] == [300.0, 300.0, 200.0, None]
+    assert [worst and worst.value for worst in load.worst] == [200.0, 300.0, 300.0, None]
+    assert load.list_cells() == ["least load, at 1910 r/min", "200", "300", "300", "–"]
     none = choose_speeds({"never": never})
-    assert (none.reference, list(none.list_ranges())) == (None, [("955", "2865")])
+    assert none[2:] == ("", "")
     (load,) = tabulate(none)
-    assert ([worst and worst.value for worst in load.worst], load.beside) == ([0.0], [None])
+    assert [worst and worst.value for worst in load.worst] == [0.0]
+
+
+def test_the_least_friction_with_contact_up_to_the_highest_speed_is_told():
+    """Not that of designs that lose contact, or are not steady, below it, though they have less."""
+
+    def add(one: Swept, *power: float) -> Swept:
+        return one._replace(table=one.table.assign({"contact.friction_power": ("speed", list(power))}))
+
+    stiff, weak = add(make_swept(500.0, 1e9), 9.0, 60.0, 50.0), add(make_swept(400.0, 300.0), 9.0, 20.0, 30.0)
+    ripples = xarray.DataArray([0.0, 0.1, 0.0], dims="speed")
+    rippled = stiff._replace(table=weak.table.assign(change=ripples, **{"contact.lost": 0.0 * ripples}))
+    swept = {"stiff": stiff, "weak": weak, "rippled": rippled, "stiffer": add(stiff, 9.0, 50.0, 70.0)}
+    (said,) = describe_frugal(swept)
+    assert said == (
+        "least friction with contact up to 2865 r/min: stiff, at most 60 W, at 1910 r/min; "
+        "not up to there: weak (contact lost from 2500.4 r/min); rippled (not steady at 1910 r/min)"
+    )
+    assert not list(describe_frugal({"never": add(make_swept(300.0, 0.0), 1.0, 1.0, 1.0)}))
+    speeds = [cells for column in tabulate(choose_speeds(swept)) for cells in column.list_cells()]
+    assert "friction power, at 955 r/min" in speeds
+    (power,) = (c for c in tabulate(choose_speeds({"a": stiff, "b": swept["stiffer"]})) if "power" in c.head)
+    assert power.list_cells() == ["friction power", "60 at 1910", "70 at 2865"]
+
+
+def test_a_torque_that_lacks_friction_is_marked_in_its_row(tmp_path):
+    torque = {"drive.mean_torque": ("speed", [0.1, 0.1, 0.1], {"units": "N.m", "long_name": "mean torque"})}
+    one, said = make_swept(400.0, 1e9), StringIO()
+    table = one.table.assign(torque).assign_attrs(outside="cam contact (contact)")
+    designs = {Variant(label, ()): {} for label in ("a", "b")}
+    reporter = Reporter(Console(file=said, width=100))
+    sweep_variants(designs, tmp_path, reporter, lambda tables, folder: one._replace(table=table))
+    assert "│ mean torque, N m *, at 955 r/min │" in said.getvalue()
+    assert "\n* without the friction of cam contact (contact)\n" in said.getvalue()
 
 
 def test_a_number_that_only_a_later_design_has_has_its_column():

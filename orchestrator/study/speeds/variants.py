@@ -16,6 +16,7 @@ from rich.table import Table
 
 from models.core.interruption import deferred, look
 
+from ...assessment.friction.losses import describe_content
 from ...assessment.friction.shares import WHOLE
 from ...assessment.lost_contact import find_lost, find_rippled, find_unsteady
 from ...errors import MistakeError, Option
@@ -126,20 +127,23 @@ def sweep_variants(
 
 @dataclass(frozen=True)
 class Column:
-    """A figure "part.name" of all designs, their worst values and, `beside` each, that of the reference over
-    the same speeds; how it is headed and shown."""
+    """A figure "part.name" of all designs and their worst values; how it is headed and shown. `partial`: a
+    torque of the drive that does not contain all friction."""
 
     name: str
     head: str
     shown: Shown
     worst: Sequence[Worst | None]
-    beside: Sequence[Worst | None]
     angle: str
+    partial: bool = False
 
-    @property
-    def title(self) -> str:
-        head = f"{self.head}, {self.shown.text}".removesuffix(", ")
-        return head + " (° of the crank)" * self.angle.startswith("crank")
+    def list_cells(self) -> list[str]:
+        """Title and values, with the speed: in the title where it is that of all designs."""
+        speeds = {f"{worst.speed_rpm:.0f}" for worst in self.worst if worst}
+        head = f"{self.head}, {self.shown.text}".removesuffix(", ") + " *" * self.partial
+        head += " (° of the crank)" * self.angle.startswith("crank")
+        head += f", at {speeds.pop()} r/min" if len(speeds) == 1 else ""
+        return [head, *(worst.describe(bool(speeds)) if worst else "–" for worst in self.worst)]
 
     @property
     def badness(self) -> float:
@@ -154,40 +158,31 @@ class Column:
         if self.angle:
             angles = (w.angle_deg if w else None for w in self.worst)
             yield [f"{self.angle} [deg]", *("" if a is None else format_number(a) for a in angles)]
-        reference = add_unit(f"{self.head}, of the reference", self.shown)
-        yield [reference, *(format_number(w.value) if w else "" for w in self.beside)]
 
 
 class Judged(NamedTuple):
-    """Designs at the speeds over which each is judged, and at these the `reference`; None where no design is
-    good at any speed, and each is judged over all of its own."""
+    """Designs at the speeds over which all are judged, without any speed of one that is not; at all speeds
+    where each is `good`; the ends (r/min) of the speeds, "" where no design is good at any."""
 
-    reference: str | None
     tables: Sequence[xarray.Dataset]
-    beside: Sequence[xarray.Dataset]
-
-    def list_ranges(self) -> Iterator[tuple[str, str]]:
-        """The ends (r/min) of each design's speeds."""
-        for table in self.tables:
-            speeds = RPM * table["speed"].values
-            yield (f"{speeds.min():.0f}", f"{speeds.max():.0f}") if speeds.size else ("", "")
+    good: Sequence[xarray.Dataset]
+    low: str = ""
+    high: str = ""
 
 
 def choose_speeds(swept: Mapping[str, Swept]) -> Judged:
-    """A design is judged where it is good and the reference is: where contact is kept and the cycle steady.
-    The reference is the design that is good at most speeds, so that a weak one does not cut the others'."""
-    good = {
-        label: one.table.isel(speed=np.flatnonzero(~find_lost(one.table) & ~find_rippled(one.table)))
-        for label, one in swept.items()
-    }
-    reference = max(good, key=lambda label: good[label].sizes["speed"])
-    best = good[reference]["speed"].values
-    if not best.size:
-        every = [one.table for one in swept.values()]
-        return Judged(None, every, [table.isel(speed=[]) for table in every])
-    common = [np.intersect1d(table["speed"].values, best) for table in good.values()]
-    tables = [table.sel(speed=speeds) for table, speeds in zip(good.values(), common, strict=True)]
-    return Judged(reference, tables, [good[reference].sel(speed=speeds) for speeds in common])
+    """Designs are judged where all of them are good: where contact is kept and the cycle steady. One that is
+    good at no speed of those that are good at more is left out. Where none is good, each has all its own."""
+    every = [one.table for one in swept.values()]
+    good = [table.isel(speed=np.flatnonzero(~find_lost(table) & ~find_rippled(table))) for table in every]
+    common = np.array([])
+    for table in sorted(good, key=lambda table: -table.sizes["speed"]):
+        shared = np.intersect1d(table["speed"].values, common) if common.size else table["speed"].values
+        common = shared if shared.size else common
+    if not common.size:
+        return Judged(every, every)
+    judged = [one.sel(speed=common if np.isin(common, one["speed"]).all() else []) for one in good]
+    return Judged(judged, good, *(f"{RPM * speed:.0f}" for speed in (common.min(), common.max())))
 
 
 def tabulate(judged: Judged) -> list[Column]:
@@ -199,15 +194,13 @@ def tabulate(judged: Judged) -> list[Column]:
         for name in names:
             attributes = next(table[name].attrs for table in judged.tables if name in table)
             shown = show_attributes(attributes)
-            worst, beside = (
-                [find_worst(table, name, shown.factor) for table in tables]
-                for tables in (judged.tables, judged.beside)
-            )
+            worst = [find_worst(table, name, shown.factor) for table in judged.tables]
+            partial = name.endswith("_torque") and any(table.attrs.get("outside") for table in judged.tables)
             of = f" of {name.rpartition('.')[0]}" * (len(names) > 1)
             angles = (_name(t[a].attrs, a) + of for t in judged.tables if (a := f"{name}_angle") in t)
             if any(worst):
                 head = _name(attributes, figure) + of
-                columns.append(Column(name, head, shown, worst, beside, next(angles, "")))
+                columns.append(Column(name, head, shown, worst, next(angles, ""), partial))
     return columns
 
 
@@ -235,22 +228,60 @@ def _find_lost_from(one: Swept) -> str:
 
 
 def describe_landing(judged: Judged, labels: Sequence[str]) -> Iterator[str]:
-    """Which designs close their valves and land on the closing ramps at all their judged speeds, and why the
+    """Which designs close their valves and land on the closing ramps at all their good speeds, and why the
     others do not; nothing of cams without ramps."""
-    every = dict.fromkeys(str(name) for table in judged.tables for name in table.data_vars)
+    every = dict.fromkeys(str(name) for table in judged.good for name in table.data_vars)
     ramps = list_parts_with("ramp_left", every)
-    if not any(find_worst(table, name, 1.0) for table in judged.tables for name in ramps):
+    if not any(find_worst(table, name, 1.0) for table in judged.good for name in ramps):
         return
     names = [*ramps, *list_parts_with("least_lift", every)]
     faults = {
         label: [said for name in names if (said := _find_fault(table, name))]
-        for label, table in zip(labels, judged.tables, strict=True)
+        for label, table in zip(labels, judged.good, strict=True)
         if table.sizes["speed"]
     }
     kept = [label for label, found in faults.items() if not found] or ["none of these"]
     others = [f"{label} ({', '.join(found)})" for label, found in faults.items() if found]
     rest = f"; not with {'; '.join(others)}" if others else ""
     yield f"valves close, and land on the ramps, with {'; '.join(kept)}{rest}"
+
+
+def describe_frugal(swept: Mapping[str, Swept]) -> Iterator[str]:
+    """The design of least friction among those that keep contact up to the highest speed at which any does,
+    and why the others drop out; nothing of trains without contacts, friction or a design that keeps it."""
+    every = dict.fromkeys(str(name) for one in swept.values() for name in one.table.data_vars)
+    names = list_parts_with("friction_power", every)
+    if len(names) != 1 or not any(name.endswith(".lost") for name in every):
+        return
+    kept, ends = dict[str, xarray.Dataset](), dict[str, float]()
+    for label, one in swept.items():
+        bad = find_lost(one.table) | find_rippled(one.table)
+        kept[label] = one.table.isel(speed=slice(int(np.argmax(bad)) if bad.any() else None))
+        ends[label] = RPM * float(kept[label]["speed"].values.max(initial=0.0))
+    highest = max(ends.values())
+    powers = {
+        label: worst
+        for label, table in kept.items()
+        if ends[label] == highest and (worst := find_worst(table, names[0], 1.0))
+    }
+    if not powers:
+        return
+    least = min(powers, key=lambda label: powers[label].value)
+    said = (
+        f"least friction with contact up to {highest:.0f} r/min: {least}, at most "
+        f"{powers[least].value:.4g} W, at {powers[least].speed_rpm:.0f} r/min"
+    )
+    others = [f"{label} ({_explain_end(one)})" for label, one in swept.items() if label not in powers]
+    yield f"{said}; not up to there: {'; '.join(others)}" if others else said
+
+
+def _explain_end(one: Swept) -> str:
+    """What ends the speeds up to which a design is good."""
+    separation = (one.summary.get("separation") or {}).get("speed")
+    if lost := f"{separation:.5g}" if separation else _find_lost_from(one):
+        return f"contact lost from {lost} r/min"
+    rippled = RPM * one.table["speed"].values[find_rippled(one.table)]
+    return f"not steady at {rippled[0]:.0f} r/min" if rippled.size else "no cycle at higher speeds"
 
 
 def join_remarks(swept: Mapping[str, Swept]) -> Iterator[str]:
@@ -287,9 +318,9 @@ def _list_varied(variants: Sequence[Variant]) -> Iterator[list[str]]:
 
 def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, reporter: Reporter) -> None:
     judged = choose_speeds(swept)
-    columns, ranges = tabulate(judged), list(judged.list_ranges())
-    kept = f"where it and {judged.reference} keep contact and are steady"
-    where = kept if judged.reference else "of all speeds: no design keeps contact and is steady at any"
+    columns, left_out = tabulate(judged), " but those marked –" * any(not t.speed.size for t in judged.tables)
+    where = f"from {judged.low} to {judged.high} r/min, where all{left_out} keep contact and are steady"
+    where = where if judged.low else "at all speeds: no design keeps contact and is steady at any"
     lost = [_find_lost_from(one) for one in swept.values()]
     unsteady = [list(find_unsteady(one.table)) for one in swept.values()]
     for first in range(0, len(swept), BESIDE):
@@ -297,25 +328,24 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
         heads = (
             Head(label, overflow="fold", min_width=min(len(label), NARROW)) for label in [*swept][several]
         )
-        shown = Table(
-            "worst", *heads, title=f"Worst of each design {where}; at ° of the cam", title_justify="left"
-        )
-        shown.add_row("judged, r/min", *(" to ".join(ends) if ends[0] else "–" for ends in ranges[several]))
+        shown = Table("worst", *heads, title=f"Worst {where}; at r/min, ° of the cam", title_justify="left")
         shown.add_row("contact lost from, r/min", *(text or "–" for text in lost[several]))
         if any(unsteady):
             shown.add_row("speeds without a steady cycle", *(str(len(one)) for one in unsteady[several]))
         for column in choose_shown(columns):
-            shown.add_row(column.title, *(w.describe(False) if w else "–" for w in column.worst[several]))
+            head, *cells = column.list_cells()
+            shown.add_row(head, *cells[several])
         reporter.console.print(shown)
-    for line in (*describe_landing(judged, list(swept)), *join_remarks(swept)):
+    for outside in {table.attrs["outside"]: 0 for table in judged.tables if table.attrs.get("outside")}:
+        reporter.line(f"* {describe_content(outside)}")
+    for line in (*describe_landing(judged, list(swept)), *describe_frugal(swept), *join_remarks(swept)):
         reporter.line(line)
     rows = [
         ["design", *swept],
         *_list_varied(variants),
-        ["reference", *(judged.reference or "" for _ in swept)],
         *(
-            [f"judged {end} [r/min]", *row]
-            for end, row in zip(("from", "to"), zip(*ranges, strict=True), strict=True)
+            [f"judged {name} [r/min]", *(end * bool(table.sizes["speed"]) for table in judged.tables)]
+            for name, end in (("from", judged.low), ("to", judged.high))
         ),
         ["contact lost from [r/min]", *lost],
         ["no steady cycle at [r/min]", *(" ".join(f"{RPM * v:.0f}" for v in one) for one in unsteady)],
