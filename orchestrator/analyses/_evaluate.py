@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import metadata
@@ -15,6 +14,7 @@ from rich.text import Text
 
 from ..errors import REPLACE, MistakeError, Option, another
 from ..reporter import Reporter
+from ..scenario.display import format_with_error
 from ..scenario.units import to_unit
 from ..scenario.values import Value
 from ..store.csv_file import write_sheet
@@ -142,7 +142,7 @@ def write_results(
 def build_results_table(
     analysis: Analysis, values: Mapping[str, Value], results: Mapping[str, float | str]
 ) -> Table:
-    """The results with their units, to the digits that are known, without those that say nothing here."""
+    """The results with their units and errors, without those that say nothing here."""
     errors = analysis.list_errors(values, results)
     rows = (
         (name, *_format_result(results[name], result, errors.get(name, 0.0)), result.description)
@@ -193,12 +193,8 @@ def _format_result(value: float | str, result: Result, error: float) -> tuple[st
         return value, _format_unit(result.unit)
     unit = result.display_unit or result.unit
     size = to_unit(f"1 {unit}", result.unit) if result.display_unit else 1.0
-    return _format_value(round_to(value / size, error / size)), _format_unit(unit)
-
-
-def round_to(value: float, error: float) -> float:
-    """Without the digits below the first one of the error."""
-    return round(value, -math.floor(math.log10(error))) if error > 0.0 and math.isfinite(value) else value
+    digits = f"{value / size:.{result.digits}g}"
+    return format_with_error(value / size, error / size) if error else digits, _format_unit(unit)
 
 
 def _format_value(value: Value) -> str:

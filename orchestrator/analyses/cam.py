@@ -30,6 +30,7 @@ from models.valve_train.followers.shape import (
 
 from ..plots.style import ACCENT, COUPLED, MUTED, RPM, create_subplots
 from ..scenario.cam_files import write_contour, write_lift, write_s96
+from ..scenario.display import format_with_error
 from ._cam_profile import (
     FIELDS,
     GEOMETRY,
@@ -181,10 +182,10 @@ def _find_reversals(angles: Vector, entraining: Callable[[float], float]) -> tup
 def _format_reversals(
     zeros: Sequence[float], slopes: Sequence[float], smoothing: SmoothedLift | None
 ) -> Iterator[str]:
-    """In degrees, of a lift table to what the errors of s'' leave of them: 2 u/omega has twice those."""
+    """In degrees, of a lift table with what the errors of s'' make of them: 2 u/omega has twice those."""
     for zero, slope in zip(zeros, slopes, strict=True):
         error = math.degrees(2.0 * smoothing.curvature_error / slope) if smoothing and slope else 0.0
-        yield f"{math.degrees(zero):.{2 if error < 0.01 else max(0, -math.floor(math.log10(error)))}f}"
+        yield format_with_error(math.degrees(zero), error) if error else f"{math.degrees(zero):.2f}"
 
 
 def _list_errors(values: Mapping[str, Any], results: Mapping[str, Any]) -> dict[str, float]:
@@ -198,7 +199,6 @@ def _list_errors(values: Mapping[str, Any], results: Mapping[str, Any]) -> dict[
     return {
         **{"largest_lift": results["table_resolution"], "least_radius": bend, **steep},
         **dict.fromkeys(("largest_acceleration", "least_acceleration"), bend * square),
-        **{name: 0.1 * results[name] for name in ("curvature_uncertainty", "table_residual")},
     }
 
 
@@ -345,11 +345,11 @@ ANALYSIS = declare(
         "table_choices": Result("1", "lift table: what reading it chose", text=True),
         "table_doubts": Result("1", "lift table: what may be wrong with it", text=True),
         "table_residual": Result(
-            "m", "lift table: rms of its differences from the smoothed lift", display_unit="um"
+            "m", "lift table: rms of its differences from the smoothed lift", display_unit="um", digits=2
         ),
         "table_resolution": Result("m", "lift table: resolution found", display_unit="um"),
         "curvature_uncertainty": Result(
-            "m", "lift table: about the largest error of s'', per rad^2", display_unit="mm"
+            "m", "lift table: about the largest error of s'', per rad^2", display_unit="mm", digits=2
         ),
     },
     table=_tabulate,

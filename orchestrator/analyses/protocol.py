@@ -101,12 +101,13 @@ def describe_values(parameters: Mapping[str, Parameter], values: Mapping[str, An
 
 @dataclass(frozen=True)
 class Result:
-    """One scalar that an analysis returns: a number in `unit`, or a text."""
+    """One scalar that an analysis returns: a number in `unit`, printed with so many digits, or a text."""
 
     unit: str
     description: str
     text: bool = False
     display_unit: str = ""
+    digits: int = 6
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ class Analysis:
     returns a figure of a table and the parameters. `texts` are further files by their endings: functions that
     return the text of a table and the parameters. `describe` says in words what the results are of,
     `warn` what of the results a user must not overlook, `list_errors` about how far off numbers of given
-    parameters and results are, in their units: no finer digit is printed.
+    parameters and results are, in their units, which is printed beside them.
     """
 
     name: str

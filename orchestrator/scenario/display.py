@@ -77,3 +77,13 @@ def format_number(value: float, digits: int = 4) -> str:
     tiny = 0.0 < abs(rounded) < 1e-4
     # Zero may be negative.
     return f"{rounded:g}" if tiny else np.format_float_positional(rounded + 0.0, trim="-")
+
+
+def format_with_error(value: float, error: float) -> str:
+    """E.g. -860 +/- 60: two digits of the error at most, rounded up, and rounding moves the value by a tenth
+    of it at most. Six digits without an error, or with one below them."""
+    if not (math.isfinite(error) and error > 1e-6 * abs(value)):
+        return f"{value:.6g}"
+    place = -math.floor(math.log10(0.2 * error))
+    upper = math.ceil(round(error * 10.0**place, 6)) / 10.0**place
+    return " +/- ".join(f"{round(one, place) + 0.0:.{max(0, place)}f}" for one in (value, upper))
