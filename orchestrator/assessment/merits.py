@@ -25,7 +25,7 @@ from .friction.remarks import find_film_ratios, list_soft, remark_soft
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
 from .motion import RUN, Motion
-from .springs import MORE_TRAVEL, closes_at_once, list_springs
+from .springs import MORE_TRAVEL, binds_by_default, closes_at_once, list_springs
 from .trains import (
     Angle,
     Train,
@@ -278,7 +278,8 @@ def _list_clash(train: Train, found: Merits) -> Iterator[str]:
         elif gap.value <= 0.0:
             yield f"coils of {gap.part} clash"
     if gaps and (least := min(gaps, key=lambda gap: gap.value)).value > 0.0:
-        yield f"no clash of coils, {least.text} of travel left to coil bind"
+        default = " by the component's default" * binds_by_default(train.system.instances[least.part])
+        yield f"no clash of coils, {least.text} of travel left to coil bind{default}"
 
 
 def _list_wire(train: Train, found: Merits) -> Iterator[str]:

@@ -53,6 +53,27 @@ def warn_of_solid(system: System) -> Iterator[str]:
                 )
 
 
+def remark_default_bind(system: System) -> Iterator[str]:
+    """That coil bind is judged by a default; nothing of springs whose scenario or wire gives it."""
+    found: dict[tuple[str, float], list[str]] = {}
+    for name in dict.fromkeys(name for train in find_trains(system) for name in list_springs(train)):
+        if binds_by_default(spring := system.instances[name]):
+            parameter = _name_gaps(spring)[0].partition("[")[0]
+            found.setdefault((parameter, sum(_list_gaps(spring))), []).append(name)
+    for (parameter, travel), names in found.items():
+        where = f"components.{names[0] if len(names) == 1 else 'NAME'}"
+        yield (
+            f"{names[0]}{f' and {len(names) - 1} more' * (len(names) > 1)}: coil bind is judged by the "
+            f"component's default, {1e3 * travel:.4g} mm of lift until all coils touch; give your spring's "
+            f"{where}.parameters.{parameter}, or {where}.wire"
+        )
+
+
+def binds_by_default(spring: Instance) -> bool:
+    """Whether neither a scenario nor a wire gives the travel until its coils touch."""
+    return spring.parameters.keys().isdisjoint(_name_gaps(spring))
+
+
 def _surge(part: Part) -> Found:
     """Largest force of the coils' own motion: the spring's less that of its static rate."""
     static = part.parameter("preload") + part.parameter("spring_rate") * part["valve_lift"]
@@ -88,8 +109,12 @@ def _find_clearance(spring: Instance) -> float | None:
 
 def _list_gaps(spring: Instance) -> list[float]:
     """From the valve's seat on (m): of each segment, or of all coils as one."""
+    return [parameter_of(spring, name) for name in _name_gaps(spring)]
+
+
+def _name_gaps(spring: Instance) -> list[str]:
     gaps = [name for name in spring.component.parameters.names if name.startswith("gap[")]
-    return [parameter_of(spring, name) for name in gaps or ["clash_clearance"]]
+    return gaps or ["clash_clearance"]
 
 
 def _stress(force: str) -> Callable[[Part], Found]:

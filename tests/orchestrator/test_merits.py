@@ -132,6 +132,13 @@ def test_a_run_says_where_its_friction_depends_on_default_asperities(ratio, slop
     assert len(soft) == (ratio < 1.0 and slope == 1e-3)
 
 
+def test_coil_bind_by_a_default_is_said_beside_the_travel_that_is_left():
+    system = build_system(load("seat-and-lash"))
+    merits = [Merit("valve_spring", "least_gap", 12e-3, Quantity("m", "gap", display_unit="mm"))]
+    (line,) = describe_trains(system, merits, read_columns())
+    assert line.endswith("no clash of coils, 12 mm of travel left to coil bind by the component's default")
+
+
 def test_a_run_tells_the_friction_of_all_shares():
     """Of a roller finger: rolling, slip, pin, tip and guide. The pad has the friction of its contact."""
     system = build_system(load("roller-friction"))

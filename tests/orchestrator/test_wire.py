@@ -13,7 +13,7 @@ from models.core.system import Instance, System
 from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.motion import Motion
 from orchestrator.assessment.notices import list_notices
-from orchestrator.assessment.springs import warn_of_solid
+from orchestrator.assessment.springs import remark_default_bind, warn_of_solid
 from orchestrator.assessment.trains import find_trains
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
@@ -175,6 +175,25 @@ def test_a_spring_that_is_solid_before_full_lift_is_said_before_the_run(installe
         "warning: components.valve_spring: solid before full lift, at any speed: "
         "its valve lifts by 8.1 mm, 2.1 mm more than the 6 mm where all coils touch"
     )
+
+
+@pytest.mark.parametrize("given", ["parameters.clash_clearance = 20 mm", "wire"])
+def test_coil_bind_by_a_default_is_said_with_how_to_give_it(given: str) -> None:
+    """Of many springs once; a lift that a scenario gives is its own, though it be the default."""
+    lines = [f"wire.{key} = {value}" for key, value in WIRE.items()] if given == "wire" else [given]
+    own = load("seat-and-lash", [f"components.valve_spring.{line}" for line in lines])
+    assert not [line for line in list_notices(own) if "coil bind" in line]
+    (said,) = [line for line in list_notices(load("seat-and-lash")) if "coil bind" in line]
+    assert said == (
+        "valve_spring: coil bind is judged by the component's default, 20 mm of lift until all coils touch; "
+        "give your spring's components.valve_spring.parameters.clash_clearance, "
+        "or components.valve_spring.wire"
+    )
+    (said,) = remark_default_bind(build_system(load("engine-16v")))
+    assert said.startswith("valve_spring_intake_1a and 15 more: coil bind")
+    (said,) = remark_default_bind(build_system(load("valve-stem")))
+    assert said.endswith("components.NAME.parameters.gap, or components.NAME.wire")
+    assert not list(remark_default_bind(build_system(load("coil-clash"))))
 
 
 @pytest.mark.parametrize("solid", [True, False])
