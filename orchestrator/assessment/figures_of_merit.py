@@ -4,7 +4,7 @@ To add a figure: a row in the table of its role.
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterator, Mapping
 
 import numpy as np
 
@@ -356,10 +356,14 @@ def list_figures(components: Mapping[str, Component]) -> Iterator[tuple[str, str
                     yield part, name, figure
 
 
-def measure(motion: Motion) -> Iterator[tuple[str, str, Quantity, Found]]:
-    """Part, name, quantity and value of all figures of the motion."""
+def measure(
+    motion: Motion, names: Container[str] | None = None
+) -> Iterator[tuple[str, str, Quantity, Found]]:
+    """Part, name, quantity and value of all figures of the motion, or of those of `names`, "part.figure"."""
     part = Part(motion, "")
     components = {name: instance.component for name, instance in motion.system.instances.items()}
     for name, figure, (quantity, find) in list_figures(components):
+        if names is not None and f"{name}.{figure}" not in names:
+            continue
         part = part if part.name == name else Part(motion, name)
         yield name, figure, quantity, find(part)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from models.core.system import ModelError
 from orchestrator.errors import MistakeError
 from orchestrator.scenario.files import load
 from orchestrator.study.design.brief import Brief, Limits, list_briefs, read_bounds, read_brief
@@ -47,6 +48,8 @@ def test_figures_and_objectives_are_those_of_the_brief() -> None:
     brief = read('[limits]\nleast_spring_margin = 0.3\n[figures]\n"contact.largest_load" = {most = "900 N"}\n'
                  '"contact.friction_power" = {most = "own"}')  # fmt: skip
     assert list(list_bounds(brief, KNOWN, own)) == [
+        Bound("valve_spring.seating_velocity", 1.0, 2.0),
+        Bound("valve_spring.bounce", 1.0, 2.0),
         Bound("valve_spring.spring_margin", -1.0, 0.3),
         Bound("contact.largest_load", 1.0, 900.0),
         Bound("contact.friction_power", 1.0, 2.0),
@@ -76,6 +79,22 @@ def test_wishes_that_a_train_cannot_meet_are_refused(text: str, words: str) -> N
 
     with pytest.raises(MistakeError, match=words):
         ask()
+
+
+def test_a_seat_keeps_its_landing_unless_the_brief_frees_it() -> None:
+    """Where there is a seat; a limit that is asked for needs one."""
+
+    def none(name: str, side: float) -> float:
+        raise ModelError("no value in the cycle")
+
+    free = '[limits]\nlargest_bounce = "free"\nlargest_seating_velocity = '
+    (own,) = list_bounds(read(f'{free}"0.3 m/s"'), KNOWN, none)
+    assert own == Bound("valve_spring.seating_velocity", 1.0, 0.3)
+    assert not list(list_bounds(read(f'{free}"free"'), KNOWN, none))
+    assert not list(list_bounds(read(""), KNOWN, none))
+    with pytest.raises(ModelError):
+        list(list_bounds(read(f'{free}"own"'), KNOWN, none))
+    assert not list(list_bounds(read(""), {}, none))
 
 
 def test_wires_have_bounds_with_units(tmp_path: Path) -> None:

@@ -5,10 +5,12 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
+import xarray
 
 import tribocosim
 from models.core.quantities import Vector
@@ -17,6 +19,7 @@ from models.monolithic.cycle import STEADY
 from models.valve_train.followers.mechanisms import Flat
 from orchestrator.assessment.motion import Found as Value
 from orchestrator.assessment.motion import Motion
+from orchestrator.scenario.cams import read_cam
 from orchestrator.scenario.files import load, read_changed
 from orchestrator.scenario.system import build_system, list_parameters
 from orchestrator.scenario.wire import insert_wire
@@ -24,7 +27,7 @@ from orchestrator.study.design import run as design_run
 from orchestrator.study.design.answers import Answer, Column, follow_reversal
 from orchestrator.study.design.brief import Limits, read_brief
 from orchestrator.study.design.deliverables import deliver
-from orchestrator.study.design.figures import Objective
+from orchestrator.study.design.figures import Bound, Objective, bow_landing, read_figures
 from orchestrator.study.design.files import keep
 from orchestrator.study.design.limits import (
     Limit,
@@ -36,8 +39,13 @@ from orchestrator.study.design.limits import (
     gap_limit,
     kinematic_limits,
 )
-from orchestrator.study.design.lobe import Lobe
-from orchestrator.study.design.report import describe_active, describe_clashes, describe_shape
+from orchestrator.study.design.lobe import Lobe, find_event
+from orchestrator.study.design.report import (
+    describe_active,
+    describe_clashes,
+    describe_shape,
+    describe_worse,
+)
 from orchestrator.study.design.run import describe_excess, describe_own_ramp, find_own_limits
 from orchestrator.study.design.search import Search, Seen
 from orchestrator.study.design.slp import Active, Line, Problem, maximise
@@ -207,6 +215,17 @@ def test_a_refused_speed_of_separation_corrects_the_speeds_that_stay() -> None:
         np.testing.assert_allclose(found[1.0].columns["load"].low, 60.0 if 1.0 in seen else 100.0)
 
 
+def test_a_bounce_that_no_slope_foresaw_bends_its_limit() -> None:
+    """By what it was at the refused cam; half of the way there has half of it. A better one bends nothing."""
+    line = Line("bounce", 0.0, np.zeros(2), np.ones(2), 0.0, 1.0, scale=1e-4)
+    there, scale = np.array([1.3, 0.6]), np.full(2, 1e-2)
+    bent = line.bend(there, 3e-5, scale)
+    assert bent.at(there) == pytest.approx(3e-5)
+    assert bent.rows(np.array([1.15, 0.8])).excess == pytest.approx([0.15])
+    assert not line.bend(there, -3e-5, scale).gradient.any()
+    assert line._replace(side=-1.0).bend(there, -3e-5, scale).at(there) == pytest.approx(-3e-5)
+
+
 def test_the_speed_of_separation_is_an_unknown() -> None:
     """A limit that shrinks by the speed's logarithm by 2, with 6 % to spare, allows exp(3 %)."""
     lobe = build_lobe(count=12)
@@ -336,6 +355,47 @@ def test_a_designed_lift_falls_nowhere_before_its_nose(tmp_path: Path) -> None:
         assert min(np.diff(s[: nose + 1]).min(), -np.diff(s[nose:]).max()) > -1e-8
 
 
+def test_a_search_foresees_the_landing_of_a_cam_with_its_ramps_in_its_table(tmp_path: Path) -> None:
+    """A step that adds area moves the landing along the ramp. Tangents by the instant at which the seat is
+    met, and the slope of the new cam at the lift of the landing, foresee its velocity: cycles confirm it."""
+    table = write_ramped(tmp_path)
+    train = open_train(read_changed("seat-and-lash", [f"components.camshaft.lift_table={table}"]), 16)
+    lobe, x, name = train.lobe, train.lobe.start, "valve_spring.seating_velocity"
+    sizes = find_own_limits(train, Limits(), SPEED)
+
+    def step(start: Vector, *bounds: Bound) -> tuple[Vector, list[float]]:
+        """The best next lift, with its area and velocity of landing."""
+        wanted = Wanted(sizes, {}, {}, 0.0, [SPEED], [], figures=bounds)
+        search = Search(train, wanted, np.zeros((0, 2)), SPEED, float(lobe.bumps.areas @ x), print)
+        there = search.solve(search.model(start, search.look(start)), start, 0.02, 1).unknowns
+        landed = read_figures(search.to_motion(train.simulate(there, SPEED)), [name])[name].value
+        return there, [search.area_line(there).value, landed]
+
+    free, (area, landed) = step(x)
+    assert landed > 0.25
+    _, held = step(free, Bound(name, 1.0, 0.2))
+    assert held[0] > area + 0.01
+    assert held[1] == pytest.approx(0.2, rel=5e-3)
+
+
+def test_the_velocity_of_a_landing_has_the_derivatives_of_its_differences(tmp_path: Path) -> None:
+    """Beyond the tangent at its place, where it is nothing."""
+    table = write_ramped(tmp_path)
+    kind = read_cam(load("finger-follower", [f"components.finger.lift_table={table}"]).components["finger"])
+    lobe = Lobe(kind, *find_event(kind, None), 16)
+    x = lobe.start
+    bow = bow_landing(lobe, x, lobe.end - math.radians(20.0), 0.2)
+    assert bow(x)[0] == pytest.approx(0.0, abs=1e-12)
+    assert bow(x)[1] == pytest.approx(0.0, abs=1e-9)
+    way = np.random.default_rng(1).normal(size=16) * 2e-5
+    beyond, gradient = bow(x + way)
+    difference = (bow(x + 1.001 * way)[0] - bow(x + 0.999 * way)[0]) / 2e-3
+    assert gradient @ way == pytest.approx(difference, rel=1e-3)
+    assert abs(beyond) > 1e-4
+    # On the ramp, whose slope the event does not change.
+    assert bow_landing(lobe, x, lobe.end + 0.1, 0.2)(x + way)[0] == 0.0
+
+
 @pytest.mark.parametrize(
     ("angle", "place"), [(120.0, "61 deg before the nose, on a"), (175.0, "5 deg .* two noses")]
 )
@@ -360,6 +420,36 @@ def test_limits_of_the_cam_that_contradict_are_told_before_its_cycles() -> None:
         assert bool(told) is bool(search.own_excesses(begun)) is (least > largest)
     (text,) = told
     assert re.search("no lift was found .* beyond .*least lift by", text)
+
+
+def test_what_no_limit_holds_is_said_where_it_became_worse() -> None:
+    """With the key that holds it: more than a quarter, or a quarter of 0.1 mm where there was no bounce."""
+    values = {"valve.seating_velocity": (0.2, 1.2), "valve.bounce": (0.0, 30e-6),
+              "valve.spring_margin": (0.4, 0.31), "contact.largest_load": (1400.0, 2200.0),
+              "contact.peak_pressure": (5e8, 7e8), "contact.least_load": (180.0, 90.0),
+              "contact.least_film_ratio": (1.0, 0.5)}  # fmt: skip
+    rows = np.array(list(values.values())).T[:, None]
+    table = xarray.Dataset(
+        {"value": (("cam", "speed", "figure"), rows), "unit": ("figure", ["SI"] * 7),
+         "factor": ("figure", np.ones(7))},
+        {"speed": [100.0], "figure": list(values)},
+    )  # fmt: skip
+    before = {"largest_acceleration": 1.0, "largest_deceleration": 1.0, "largest_jerk": 2e7,
+              "least_radius": 4e-3, "largest_duration": 4.0}  # fmt: skip
+    sizes = [before, before | {"largest_jerk": 6e7, "least_radius": 2e-3}]
+    train: Any = SimpleNamespace(train=SimpleNamespace(contacts=["contact"], list_parts=lambda role: []))
+    wanted = Wanted({"least_radius": 2e-3}, {"contact": 8e8}, {}, 0.0, [100.0], [100.0],
+                    figures=[Bound("valve.seating_velocity", 1.0, 1.3)])  # fmt: skip
+    said = list(describe_worse(table, train, wanted, sizes))
+    assert said[0] == (
+        "largest jerk of the cam goes from 20000000 to 60000000 m/s³: no limit holds it; "
+        'limits.largest_jerk = "own" would'
+    )
+    keys = [re.search(r"; (\S+) = ", text) for text in said]
+    assert [one[1] for one in keys if one] == [
+        "limits.largest_jerk", "limits.largest_bounce", 'figures."contact.largest_load".most',
+        "limits.least_load", "limits.least_film_ratio",
+    ]  # fmt: skip
 
 
 def test_files_of_the_trade_hold_the_design(tmp_path: Path) -> None:

@@ -20,8 +20,11 @@ ONE = SimpleNamespace(angles=np.zeros(1), count=1)
 class Parting(Search):
     """A search whose cycles, here their speeds, lose contact above 95 rad/s."""
 
-    measured = columns = contacts = ()  # type: ignore[assignment]
+    columns = contacts = ()  # type: ignore[assignment]
     scale = np.ones(1)  # type: ignore[assignment]
+
+    def measured(self, speed: float) -> list[str]:
+        return []
 
     def kept(self, x: Vector) -> list[float]:
         return [100.0]

@@ -93,8 +93,9 @@ class Limits(Table):
     least_film_ratio: Annotated[Size, _limit("1", "0.8")] = OWN
     # Of the cam, over that of the scenario's, where it is not maximised.
     least_lift_area: Annotated[Size, _limit("1", "0.95")] = OWN
-    largest_seating_velocity: Annotated[Size, _limit("m/s", "0.3 m/s")] = FREE
-    largest_bounce: Length = FREE
+    # Of a valve with a seat, up to the speed of separation.
+    largest_seating_velocity: Annotated[Size, _limit("m/s", "0.3 m/s")] = OWN
+    largest_bounce: Length = OWN
     # Least load of the open valve over its spring's force.
     least_spring_margin: Annotated[Size, _limit("1", "0.2")] = FREE
     # Between valve and piston.
@@ -108,6 +109,8 @@ FIGURES = {
     "least_spring_margin": ("spring_margin", -1.0),
     "least_clearance": ("least_clearance", -1.0),
 }
+# Those whose limits also hold up to the speed of separation.
+LANDINGS = ("seating_velocity", "bounce")
 
 
 class Ends(Table):

@@ -21,7 +21,8 @@ from ...report.answer import Answer
 from ...scenario.display import add_unit, format_number, show, show_unit
 from ...scenario.system import list_quantities
 from ..wear.report import describe_place
-from .figures import AREA, Objective
+from .brief import FIGURES, OWN
+from .figures import AREA, SMALL, TINY, Objective
 from .limits import find_sizes, is_middle
 from .lobe import Curve, Lobe
 from .slp import Active
@@ -38,13 +39,18 @@ COMPARED = (
 # The worse of two values; other figures are shown at the highest of the speeds.
 WORST: Mapping[str, Callable[..., float]] = {
     "largest_load": max, "least_load": min, "peak_pressure": max, "least_film_ratio": min,
-    "spring_margin": min, "seating_velocity": max, "bounce": max, "least_gap": min,
+    "spring_margin": min, "seating_velocity": max, "bounce": max, "friction_power": max, "surge_force": max,
+    "least_gap": min,
 }  # fmt: skip
 # Of the cam alone, at the highest speed of the brief, in these units of so many SI ones.
 SIZES = {
     "largest_acceleration": ("m/s²", 1.0), "largest_deceleration": ("m/s²", 1.0),
     "largest_jerk": ("m/s³", 1.0), "least_radius": ("mm", 1e3),
+    "largest_duration": ("deg of the crank", 180.0 / math.pi),
 }  # fmt: skip
+# A figure that became worse by more than this share is said where no limit holds it. A quarter more load
+# halves the life of a rolling contact on a line: 1.25^(10/3) = 2.1 (ISO 281).
+WORSE = 0.25
 # A flat nose: how long the lift is within 1 % of its largest, over that of the scenario's own cam. Flanks
 # that differ by more than this part of the largest lift are not symmetric.
 FLAT, NEAR_TOP, ALIKE = 1.25, 0.99, 2e-3
@@ -136,6 +142,7 @@ def tabulate(
         "film_ratio": wanted.film,
     }
     found = xarray.Dataset(table, {"cam": list(CAMS), "angle": PLACES, "speed": speeds, "figure": common})
+    worse = list(describe_worse(found, train, wanted, sizes))
     names = {output: f"{train.train.contacts[0]}.{figure}" for output, figure in DRAWN.items()}
     filmed = found.sel(speed=[speed for speed in speeds if speed not in wanted.idle])
     over = {output: filmed if output == "film_ratio" else found for output in names}
@@ -151,6 +158,7 @@ def tabulate(
         clashes=json.dumps(list(describe_clashes(motions[1], "with the designed cam"))),
         limits=json.dumps(limits),
         sizes=json.dumps(sizes),
+        worse=json.dumps(worse),
         shape=json.dumps(list(describe_shape(lobe, *own, [one["largest_nose_radius"] for one in sizes]))),
         shaft=train.subject.flywheel,
         parameters=json.dumps(dict(_show_parameters(train, train.values(unknowns)))),
@@ -228,6 +236,43 @@ def describe_shape(lobe: Lobe, own: Curve, designed: Curve, radii: Sequence[floa
         yield f"the lift dips by {1e6 * dips[deep]:.3g} µm {place}, {where}"
 
 
+def describe_worse(
+    table: xarray.Dataset, train: DesignedTrain, wanted: Wanted, sizes: Sequence[Mapping[str, float]]
+) -> Iterator[str]:
+    """Each figure of the table that became worse by more than `WORSE` and that no limit holds, with the key
+    that would. `sizes` are those of both cams."""
+    for name, (unit, factor) in SIZES.items():
+        before, after = (factor * one[name] for one in sizes)
+        worse = before - after if name.startswith("least") else after - before
+        if name not in wanted.sizes and worse > WORSE * before:
+            what = f"{name.replace('_', ' ')} of the cam"
+            yield _describe_change(what, before, after, unit, f"limits.{name}")
+    contacts = train.train.contacts
+    limits = {
+        **{f"{one}.peak_pressure": one in wanted.pressures for one in contacts},
+        **{f"{one}.least_load": wanted.least_load > 0.0 for one in contacts},
+        **{f"{one}.least_gap": one in wanted.gaps for one in list_springs(train.train)},
+        f"{contacts[0]}.least_film_ratio": wanted.film > 0.0,
+    }
+    held = {wanted.objective.name, *(one.name for one in wanted.figures), *filter(limits.get, limits)}
+    bounded = {figure: f"limits.{limit}" for limit, (figure, _) in FIGURES.items()}
+    for name, unit, factor in zip(*(table[key].values for key in ("figure", "unit", "factor")), strict=True):
+        kind = name.rpartition(".")[2]
+        if kind in WORST and name not in held:
+            before, after = find_worst(table, name)[1]
+            most = WORST[kind] is max
+            key = f'figures."{name}".{"most" if most else "least"}'
+            key = f"limits.{kind}" if name in limits else bounded.get(kind, key)
+            worse = after - before if most else before - after
+            if worse > WORSE * max(abs(before), SMALL.get(kind, TINY)):
+                yield _describe_change(name, factor * before, factor * after, unit, key)
+
+
+def _describe_change(name: str, before: float, after: float, unit: str, key: str) -> str:
+    one, other = format_number(before), format_number(after)
+    return f'{name} goes from {one} to {other} {unit}: no limit holds it; {key} = "{OWN}" would'
+
+
 def describe_active(active: Active, angle: float, objective: Objective) -> str:
     """E.g. "least_radius limits 3 deg after the nose: 1 % more of it gives -0.4 % of area"; a limit that the
     cam does not reach would limit the next one."""
@@ -267,7 +312,9 @@ def report(table: xarray.Dataset, improved: Improved, answer: Answer) -> None:
     for name, values in json.loads(table.attrs["parameters"]).items():
         shown.add_row(name, "", *_cells(*values))
     answer.table(shown)
-    for text in [line for kind in ("clashes", "active", "shape") for line in json.loads(table.attrs[kind])]:
+    for text in [
+        line for kind in ("clashes", "worse", "active", "shape") for line in json.loads(table.attrs[kind])
+    ]:
         answer.line(text)
     if improved.ended:
         answer.line(improved.ended)

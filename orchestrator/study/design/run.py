@@ -1,7 +1,7 @@
 """`tribocosim design`: the scenario's own cam, the search for a better one, and a check of both."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -29,9 +29,9 @@ from ...scenario.system import Builder, build_system
 from ..speeds.finder import CycleFinder
 from ..speeds.separation import bisect_separation, is_separated
 from ..speeds.subject import SpeedSubject, describe_numbers, find_flywheel, to_motion
-from .brief import FREE, OWN, Asked, Limits, Size, read_bounds
+from .brief import FREE, OWN, Asked, Limits, Ramps, Size, read_bounds
 from .deliverables import deliver
-from .figures import find_objective, list_bounds, read_figures
+from .figures import Bound, find_objective, list_bounds, read_figures
 from .files import (
     CAM,
     DESIGN,
@@ -124,7 +124,8 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
     top = max(asked.brief.speeds) if free else float(target)
     speeds = tuple(asked.brief.speeds) or (LOW * top,)
     idle = (IDLE * top,) if min(speeds) > IDLE * top else ()
-    below = [*speeds, *(speed for speed in kept if not cycles.is_lost(speed))]
+    landings = [speed for speed in kept if not cycles.is_lost(speed)]
+    below = [*speeds, *landings]
     parts = train.train.contacts
 
     def find_pressure(part: str) -> float:
@@ -148,18 +149,20 @@ def find_wanted(asked: Asked, train: DesignedTrain, cycles: _Cycles, own: float 
         return read_figures(cycles[speed], [name])[name].value
 
     def worst(name: str, side: float) -> float:
-        return side * max(side * figure(name, speed) for speed in speeds)
+        at = below if Bound(name, side, 0.0).lands else speeds
+        return side * max(side * figure(name, speed) for speed in at)
 
     known = describe_numbers(train.scenario)
     asked_area = limits.least_lift_area
     area = asked_area if isinstance(asked_area, float) else float(asked_area == OWN)
+    bounds = list(list_bounds(asked.brief, known, worst))
     return Wanted(
         find_own_limits(train, limits, top * train.ratio),
         {part: size for part, size in pressures.items() if size is not None},
         {part: size for part, size in gaps.items() if size is not None},
         _choose(limits.least_load, find_load) or 0.0, speeds, kept, film or 0.0,
-        list(list_bounds(asked.brief, known, worst)), area,
-        find_objective(asked.brief, known, figure, speeds), idle,
+        bounds, area, find_objective(asked.brief, known, figure, speeds), idle,
+        landings if any(one.lands for one in bounds) else (),
     )  # fmt: skip
 
 
@@ -198,6 +201,8 @@ def design(
             file.unlink()
         reporter.notice(describe_clashes(own, "with the scenario's own cam"))
         reporter.line(_introduce(wanted, train.subject.flywheel))
+        if brief.ramps:
+            reporter.notice(describe_fast_ramps(brief.ramps, wanted, own))
         area = float(np.trapezoid(train.lobe.own.s - train.lobe.ramps.s, train.lobe.angles))
         top = max((*wanted.speeds, *wanted.kept)) * train.ratio
         search = Search(
@@ -256,6 +261,22 @@ def describe_own_ramp(train: DesignedTrain) -> str:
         "part of its lift table; to keep ramps, take them out of the table, and give the cam a ramp_height "
         "or the brief [ramps]"
     )
+
+
+def describe_fast_ramps(ramps: Ramps, wanted: Wanted, own: Mapping[float, Motion]) -> Iterator[str]:
+    """That a valve of the scenario's own cam (motions by rad/s) lands harder on asked ramps than it may: no
+    event changes them."""
+    for bound in (one for one in wanted.figures if one.figure == "seating_velocity"):
+        speeds = [*wanted.speeds, *wanted.landings]
+        found = {speed: read_figures(own[speed], [bound.name])[bound.name].value for speed in speeds}
+        worst = max(speeds, key=lambda speed: found[speed])
+        if (share := bound.size / found[worst]) < 1.0 - CONFIRMED:
+            slope = 1e3 * math.radians(ramps.velocity)
+            yield (
+                f"limits.largest_seating_velocity, {bound.size:.4g} m/s, contradicts [ramps]: on them "
+                f"{bound.name} is {found[worst]:.4g} m/s at {RPM * worst:.0f} r/min with the scenario's own "
+                f"cam; a velocity of about {share * slope:.3g} mm/deg instead of {slope:.4g} keeps it"
+            )
 
 
 def _introduce(wanted: Wanted, shaft: str) -> str:

@@ -23,7 +23,7 @@ from ...assessment.motion import Motion, Part
 from ...reporter import show_share
 from ..speeds.figure_slopes import differentiate_figures
 from ..speeds.separation import is_separated
-from ..speeds.subject import to_motion
+from ..speeds.subject import SAMPLES, to_motion
 from .answers import Answer, differ_by_speed, go_on
 from .figures import AREA, bound_lines, read_figures
 from .files import SCENARIO
@@ -49,8 +49,8 @@ LITTLE, FEW = 5e-4, 3
 NEAR = 0.02
 # Where contact is lost, lower speeds are tried in such steps, and then between the last two: to 0.2 %.
 LOWER, MOST_LOWER, HALVINGS = 0.97, 8, 4
-# The scale of a figure whose limit is 0.
-TINY = 1e-12
+# Rows of a part of a cycle in which figures of landings are found, besides those of its events.
+PART = 720
 # A share of speed counts as this share of load.
 SEVERE = 2.0
 RPM = 30.0 / math.pi
@@ -78,11 +78,18 @@ Best = Callable[[Found, Mapping[float, Seen]], None]
 class Search(Shaping):
     """The search with cycles of the train, and the limits that these must keep."""
 
+    def measured(self, speed: float) -> list[str]:
+        """Figures that are limited or wanted at a speed (rad/s)."""
+        objective, asked = self.wanted.objective, speed in self.wanted.speeds
+        lands = asked or speed in self.wanted.landings
+        limited = (one.name for one in self.wanted.figures if asked or (lands and one.lands))
+        return sorted({*limited, *[objective.name] * (asked and objective.is_figure)})
+
     @property
-    def measured(self) -> list[str]:
-        """Figures that are limited or wanted."""
-        objective = self.wanted.objective
-        return sorted({*(one.name for one in self.wanted.figures), *[objective.name] * objective.is_figure})
+    def whole(self) -> bool:
+        """Whether tangents are needed of the whole cycle."""
+        others = not all(one.lands for one in self.wanted.figures)
+        return bool(others or self.wanted.objective.is_figure or self.train.parameters)
 
     def kept(self, x: Vector) -> list[float]:
         """Speeds (rad/s) up to which contact is to be kept."""
@@ -100,7 +107,7 @@ class Search(Shaping):
         return [*(f"{name}.load" for name in self.contacts), *film, *gaps]
 
     def all_speeds(self, x: Vector) -> list[float]:
-        return sorted({*self.wanted.idle, *self.wanted.speeds, *self.kept(x)})
+        return sorted({*self.wanted.idle, *self.wanted.speeds, *self.wanted.landings, *self.kept(x)})
 
     def is_lost(self, cycle: Cycle) -> bool:
         return is_separated(self.to_motion(cycle), "lost")
@@ -183,8 +190,8 @@ class Search(Shaping):
                     break
                 near *= LOWER
                 cycle = self.train.simulate(x, near)
-            watched = self.measured and speed in self.wanted.speeds
-            figures = read_figures(self.to_motion(cycle), self.measured) if watched else {}
+            names = self.measured(speed)
+            figures = read_figures(self.to_motion(cycle), names) if names else {}
             found[speed] = Seen(near, cycle, figures, near)
         lost = {speed: self.find_parting(x, one.near) for speed, one in found.items() if one.near < speed}
         return found | {speed: found[speed]._replace(parting=parting) for speed, parting in lost.items()}
@@ -219,15 +226,15 @@ class Search(Shaping):
             if self.wanted.film and speed not in self.wanted.idle:
                 ratios = self.train.film_ratios(cycle.__getitem__)
                 excesses[f"film ratio {at}"] = 1.0 - float(np.nanmin(ratios)) / self.wanted.film
-            for name, side, size in self.wanted.figures if figures else ():
-                scale = max(abs(size), TINY)
-                excesses[f"{name} {at}"] = side * (figures[name].value - size) / scale
+            for one in (one for one in self.wanted.figures if one.name in figures):
+                excesses[f"{one.name} {at}"] = one.side * (figures[one.name].value - one.size) / one.scale
         area, objective = self.area_line(x), self.wanted.objective
         if objective.name == AREA:
             reached = area.value
         else:
             excesses[area.name] = self.wanted.area - area.value
-            values = {v: one.figures[objective.name].value for v, one in seen.items() if one.figures}
+            values = {v: one.figures[objective.name].value for v, one in seen.items()
+                      if objective.name in one.figures}  # fmt: skip
             reached = math.exp(float(x[-1])) if self.stretched else objective.weigh(values)
         beyond = {name: excess for name, excess in excesses.items() if excess > CONFIRMED}
         return Found(x, reached, beyond | self.own_excesses(x), area.value)
@@ -236,19 +243,22 @@ class Search(Shaping):
         """The limits, with the answers and figures around `x`."""
         lobe, limits, lines = self.train.lobe, list(self.own_limits(x)), list[Line]()
         answers: dict[float, Answer] = {}
-        whole = bool(self.measured or self.train.parameters)
         slopes: dict[float, Mapping[str, Vector]] = {}
         for speed, (near, cycle, figures, _) in seen.items():
-            at, tangents = f"at {speed * RPM:.0f} r/min", self.train.differentiate(x, cycle, whole)
+            at = f"at {speed * RPM:.0f} r/min"
+            tangents = self.train.differentiate(x, cycle, self.whole, lands=bool(figures))
             answer = self.train.answer(tangents, cycle, near, self.columns)
             # Those of lost contact are continued from lower speeds.
             answers[speed] = go_on(answers, answer, speed)
             limits += self.list_limits(x, answers[speed], answers[min(answers)], at)
             if figures:
-                found = differentiate_figures(tangents, self.train.subject.flywheel)
-                slopes[speed] = {name: found[name].slopes for name in self.measured}
+                rows, shaft = SAMPLES if self.whole else PART, self.train.subject.flywheel
+                found = differentiate_figures(tangents, shaft, samples=rows, names=figures)
+                # A valve may land outside the part that has tangents.
+                none = np.zeros(x.size)
+                slopes[speed] = {n: found[n].slopes if n in found else none for n in figures}
                 angles = self.train.angles(cycle)
-                lines += bound_lines(self.wanted.figures, figures, slopes[speed], x, at, angles)
+                lines += bound_lines(self.wanted.figures, figures, slopes[speed], x, at, angles, lobe)
         objective, area = self.wanted.objective, self.area_line(x)
         if objective.name != AREA:
             lines.append(area)
@@ -259,14 +269,20 @@ class Search(Shaping):
 
     def correct(self, model: Model, x: Vector, seen: Mapping[float, Seen]) -> Model:
         """Loads and films of the model, less what those of the cycles at `x` are worse than it foresaw: as
-        rebounds of loose parts make them that no tangent knows. Speeds that changed with `x` stay."""
+        rebounds of loose parts make them that no tangent knows. Speeds that changed with `x` stay. Figures
+        bend on the way to `x`: a valve that does not bounce has no slope of it."""
         answers: dict[float, Answer] = {}
-        for speed, (near, cycle, *_) in sorted(seen.items()):
+        there: dict[str, float] = {}
+        for speed, (near, cycle, figures, _) in sorted(seen.items()):
             found = Answer(near, self.train.read(cycle.__getitem__, self.columns), {}, cycle)
             answers[speed] = go_on(answers, found, speed)
+            there |= {f"{name} at {speed * RPM:.0f} r/min": one.value for name, one in figures.items()}
         step, kept = x - model.place, model.answers
         worse = {v: one.worsen(answers[v], step) if v in answers else one for v, one in kept.items()}
-        return replace(model, answers=worse)
+        lines = [
+            one.bend(x, there[one.name], self.scale) if one.name in there else one for one in model.lines
+        ]
+        return replace(model, answers=worse, lines=lines)
 
     def objective_line(
         self, x: Vector, seen: Mapping[float, Seen], slopes: Mapping[float, Mapping[str, Vector]]
@@ -275,8 +291,9 @@ class Search(Shaping):
         objective = self.wanted.objective
         if self.stretched:
             return Line(objective.name, 1.0 + float(x[-1]), np.eye(x.size)[-1], x)
-        values = {v: seen[v].figures[objective.name].value for v in slopes}
-        shares = [slopes[v][objective.name] / abs(objective.before[v]) for v in slopes]
+        speeds = [v for v in slopes if objective.name in slopes[v]]
+        values = {v: seen[v].figures[objective.name].value for v in speeds}
+        shares = [slopes[v][objective.name] / abs(objective.before[v]) for v in speeds]
         gradient = objective.sign * np.mean(shares, axis=0)
         return Line(objective.name, objective.weigh(values), gradient, x)
 

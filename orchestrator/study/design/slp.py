@@ -29,6 +29,9 @@ TIGHTEST, BROKEN = 200, 1e-9
 FULFILLED = 1e-6
 
 
+Bow = Callable[[Vector], tuple[float, Vector]]
+
+
 class Rows(NamedTuple):
     """A limit at many places: `excess` <= 0 where it holds, over the limit's scale, and its derivatives by
     the unknowns; `by_limit` is the derivative of the excess by the limit's own size, as a share. A `rare`
@@ -47,7 +50,9 @@ class Rows(NamedTuple):
 
 class Line(NamedTuple):
     """A linear function of the unknowns: `value` at `place`, with its gradient. As a limit it is at most
-    (side 1) or at least (-1) its size; the cam angle (rad) is where it stands."""
+    (side 1) or at least (-1) its size; the cam angle (rad) is where it stands, and `scale` the least one of
+    its excess. A `bow` gives what the function is beyond its tangent at `place`, and the derivatives of that.
+    """
 
     name: str
     value: float
@@ -56,16 +61,24 @@ class Line(NamedTuple):
     size: float = 0.0
     side: float = 1.0
     angle: float = math.nan
+    scale: float = SMALLEST
+    bow: Bow = lambda unknowns: (0.0, np.zeros(unknowns.size))
 
     def at(self, unknowns: Vector) -> float:
-        return self.value + float(self.gradient @ (unknowns - self.place))
+        return self.value + float(self.gradient @ (unknowns - self.place)) + self.bow(unknowns)[0]
+
+    def bend(self, unknowns: Vector, value: float, scale: Vector) -> "Line":
+        """Where a limit fell short of the foreseen at unknowns: as steep on the way there as it was."""
+        way = (unknowns - self.place) / scale
+        missed = self.side * max(0.0, self.side * (value - self.at(unknowns)))
+        long = float(way @ way) or 1.0
+        return self._replace(gradient=self.gradient + missed / long * way / scale)
 
     def rows(self, unknowns: Vector) -> Rows:
-        scale = max(abs(self.size), abs(self.value), SMALLEST) * self.side
+        scale = max(abs(self.size), abs(self.value), self.scale) * self.side
         excess = (self.at(unknowns) - self.size) / scale
-        return Rows(
-            self.name, np.array([excess]), self.gradient[None] / scale, np.array([-self.size / scale])
-        )
+        gradient = self.gradient + self.bow(unknowns)[1]
+        return Rows(self.name, np.array([excess]), gradient[None] / scale, np.array([-self.size / scale]))
 
 
 class Local(NamedTuple):

@@ -34,6 +34,8 @@ from .wires import WireLength, list_wires, wind
 SHARE = 1e-5
 # Tangents may be off by 1e-5 in a step, over those of exact ones.
 COARSE = 1e3
+# Of the cam (rad), behind the event: the ramp on which a valve lands, and 60 deg in which it may bounce.
+LANDING = math.pi / 2.0
 DRY = list(FILMS).index("dry")
 # Of the distance of angles, where the rows around one begin: half, but not where a row could stand.
 BEFORE = 0.4953
@@ -141,9 +143,12 @@ class DesignedTrain:
         under = has_film("film_ratio", found[f"{name}.load"].low)
         return np.where(under, found[f"{name}.film_ratio"].low, np.nan)
 
-    def differentiate(self, unknowns: Vector, cycle: Cycle, whole: bool) -> CycleTangents:
+    def differentiate(
+        self, unknowns: Vector, cycle: Cycle, whole: bool, lands: bool = False
+    ) -> CycleTangents:
         """The tangents of a cycle by the unknowns: of the `whole` one, or of the event alone, whose start
-        coefficients of the lift do not change: bounces on the base circle before it may be endless."""
+        coefficients of the lift do not change: bounces on the base circle before it may be endless. Where a
+        valve `lands`, its ramp and its bounces belong to the event."""
         here, directions = self.settings(unknowns), []
         steps = np.append(self.steps, np.ones(unknowns.size - self.steps.size))
         for which, step in enumerate(steps):
@@ -157,7 +162,8 @@ class DesignedTrain:
             return differentiate_cycle(cycle.system, period, turning, directions, cycle.end, STEADY, COARSE)
         angle, margin = cycle[f"{self.cam}.{self.train.role.angle}"], np.ptp(self.lobe.angles[:2])
         first = int(np.argmin((angle - self.lobe.begin + margin) % TURN))
-        duration = period * float((np.ptp(self.lobe.angles) + 3.0 * margin) / np.ptp(angle))
+        turned = min(TURN, np.ptp(self.lobe.angles) + 3.0 * margin + lands * LANDING)
+        duration = period * float(turned / np.ptp(angle))
         begin, start = float(cycle.times[first]), cycle.states[first]
         return differentiate_part(cycle.system, begin, duration, directions, start, COARSE)
 

@@ -17,8 +17,9 @@ CONFIRMED = 5e-3
 class Wanted:
     """What is wanted, and limits in SI units: sizes of the cam's own, of pressures by contact, of gaps by
     spring, the least load at all `speeds` (rad/s), the `kept` ones up to which contact is kept, the highest
-    first, the least film ratio of the cam's contact (0: any), figures at `speeds`, the share of area, and an
-    `idle` speed, at which films and figures are free: no cam has a film there."""
+    first, the least film ratio of the cam's contact (0: any), figures at `speeds`, the share of area, an
+    `idle` speed, at which films and figures are free: no cam has a film there; and speeds at which figures of
+    `landings` are limited besides."""
 
     sizes: Mapping[str, float]
     pressures: Mapping[str, float]
@@ -31,6 +32,7 @@ class Wanted:
     area: float = 0.0
     objective: Objective = Objective()
     idle: Sequence[float] = ()
+    landings: Sequence[float] = ()
 
 
 class Found(NamedTuple):

@@ -6,7 +6,7 @@ extreme changes as the value at its instant does.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -113,15 +113,20 @@ def _spread(system: System, flywheel: str, changes: Mapping[str, float]) -> dict
     return found
 
 
-def differentiate_figures(tangents: CycleTangents, flywheel: str, turns: int = 1) -> dict[str, FigureSlopes]:
-    """Of all figures by "part.figure", but angles and those that a motion of so many turns has not."""
-    rows = tangents.rows_at(_find_times(tangents, flywheel, turns))
-    values = _measure(_move(tangents, rows, 0, 0.0, flywheel))
+def differentiate_figures(
+    tangents: CycleTangents, flywheel: str, turns: int = 1, samples: int = SAMPLES,
+    names: Container[str] | None = None,
+) -> dict[str, FigureSlopes]:  # fmt: skip
+    """Of all figures by "part.figure", or those of `names`, but angles and those that a motion of so many
+    turns has not; from so many rows in a turn."""
+    rows = tangents.rows_at(_find_times(tangents, flywheel, turns * samples, names))
+    values = _measure(_move(tangents, rows, 0, 0.0, flywheel), names)
     count = len(tangents.directions)
     sides = []
     for k in range(count):
-        show_share(k / count, ", figures")
-        sides.append(_measure_sides(tangents, rows, k, flywheel, values))
+        if names is None:
+            show_share(k / count, ", figures")
+        sides.append(_measure_sides(tangents, rows, k, flywheel, values, names))
     found = {}
     for name, (value, _) in values.items():
         below, above = (np.array([side[sign][name] for side in sides]) for sign in (-1.0, 1.0))
@@ -131,18 +136,19 @@ def differentiate_figures(tangents: CycleTangents, flywheel: str, turns: int = 1
     return found
 
 
-def _find_times(tangents: CycleTangents, flywheel: str, turns: int) -> Vector:
+def _find_times(tangents: CycleTangents, flywheel: str, samples: int, names: Container[str] | None) -> Vector:
     """Where the rows stand."""
-    times = np.union1d(np.linspace(0.0, tangents.period, turns * SAMPLES + 1), tangents.event_times())
-    events = tangents.event_times()
-    distance = tangents.period / (turns * SAMPLES)
+    begin, end, events = tangents.begin, tangents.begin + tangents.period, tangents.event_times()
+    times = np.union1d(np.linspace(begin, end, samples + 1), events)
+    distance = tangents.period / samples
     for _ in range(TURNS):
         inputs, outputs = tangents.values_at(times)
         motion = _build_motion(tangents.system, times, inputs, outputs, flywheel)
-        stand = {row for _, row in _measure(motion).values() if row is not None and times[row] not in events}
+        found = _measure(motion, names).values()
+        stand = {row for _, row in found if row is not None and times[row] not in events}
         near = distance / NEAR * np.arange(-NEAR, NEAR + 1)
         added = (times[sorted(stand)][:, None] + near).ravel()
-        times = np.union1d(times, added[(added > 0.0) & (added < tangents.period)])
+        times = np.union1d(times, added[(added > begin) & (added < end)])
         distance /= NEAR
     return times
 
@@ -161,14 +167,15 @@ def _move(tangents: CycleTangents, rows: Rows, direction: int, share: float, fly
 
 
 def _measure_sides(
-    tangents: CycleTangents, rows: Rows, direction: int, flywheel: str, values: Mapping[str, Figure]
-) -> dict[float, dict[str, float]]:
+    tangents: CycleTangents, rows: Rows, direction: int, flywheel: str, values: Mapping[str, Figure],
+    names: Container[str] | None,
+) -> dict[float, dict[str, float]]:  # fmt: skip
     """The figures below (-1) and above (1). Where a parameter is at the edge of its range, the other side is
     that of a straight line through the `values`."""
     found: dict[float, dict[str, float]] = {}
     for sign in (-1.0, 1.0):
         try:
-            beside = _measure(_move(tangents, rows, direction, sign * SHARE, flywheel))
+            beside = _measure(_move(tangents, rows, direction, sign * SHARE, flywheel), names)
             found[sign] = {name: value for name, (value, _) in beside.items()}
         except ModelError:
             if sign > 0.0 and not found:
@@ -197,5 +204,6 @@ def _build_motion(system: System, times: Vector, inputs: Vector, outputs: Vector
     return Motion(system, times, columns.__getitem__, find_angle(system, flywheel))
 
 
-def _measure(motion: Motion) -> dict[str, Figure]:
-    return {f"{part}.{name}": (found.value, found.row) for part, name, _, found in measure(motion)}
+def _measure(motion: Motion, names: Container[str] | None = None) -> dict[str, Figure]:
+    found = measure(motion, names)
+    return {f"{part}.{name}": (one.value, one.row) for part, name, _, one in found}
