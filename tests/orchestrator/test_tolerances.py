@@ -27,7 +27,7 @@ from orchestrator.study.tolerances import run as study
 from orchestrator.study.tolerances.design import BESIDE, SAMPLE, Design, GrindingError, Parameters
 from orchestrator.study.tolerances.distributions import Sampled, group
 from orchestrator.study.tolerances.limits import parse_limits
-from orchestrator.study.tolerances.report import describe, find_worst
+from orchestrator.study.tolerances.report import describe, find_worst, rank
 from orchestrator.study.tolerances.run import (
     describe_clashes,
     describe_cycles,
@@ -230,6 +230,29 @@ def test_the_yield_is_that_of_the_trains_with_a_steady_cycle():
     assert all("92.31 % of the trains with a steady cycle keep" in line for line in said)
     with pytest.raises(RunError, match="no sampled train"):
         find_usable(trains.assign(status=("train", np.full(len(design), FAILED))), design)
+
+
+def test_what_a_figure_varies_most_with_is_told_though_all_trains_keep_their_limits():
+    """Of the limits' figures, else of three; a further parameter where its interval is above 0."""
+    ends = np.array([[0.1, -0.02, 0.2], [0.7, 0.6, 0.8], [0.25, 0.2, 0.3], [np.nan] * 3])
+    dataset = xarray.Dataset(
+        {"total": (("figure", "factor", "end"), np.stack([ends[[0, 0, 3, 3]], *[ends] * 4]))},
+        {
+            "figure": ["a.bounce", "contact.least_load", "b.lift", "c.lift", "d.lift"],
+            "factor": ["mass", "preload", "rate", "grinding"],
+            "end": ["value", "low", "high"],
+        },
+    )
+    limits = parse_limits(["least_load > 0 N"], describe_numbers(load("valve-train")))
+    told = (
+        "contact.least_load varies most with preload 0.7 (0.6 to 0.8), rate 0.25 (0.2 to 0.3): total Sobol' "
+        "indices"
+    )
+    assert list(rank(dataset, limits)) == [told]
+    first, second, _ = rank(dataset, [])
+    assert first == "a.bounce varies most with mass 0.1 (-0.02 to 0.2): total Sobol' indices"
+    assert second == told
+    assert not list(rank(dataset.assign(total=np.nan * dataset["total"]), limits))
 
 
 @pytest.mark.parametrize(

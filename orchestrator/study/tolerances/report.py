@@ -25,6 +25,8 @@ RESULTS, PERCENTILES, INDICES, YIELD = "tolerances.nc", "percentiles.csv", "indi
 PAGE, HISTOGRAMS, BARS = "tolerances.html", "tolerances.png", "indices.png"
 # Percentiles of the printed table.
 SHOWN = (1.0, 50.0, 99.0)
+# Figures whose largest indices are told, if no limit names any, and indices of each.
+RANKED = 3
 # Its last columns are of the side that may harm: of so much of the trains at most.
 RARE = 0.1
 
@@ -38,7 +40,7 @@ def publish(
     main = dataset.sel(figure=list(dict.fromkeys([*limited, *select_figures(dataset), *gaps])))
     answer = Answer(f"{title}: tolerances", reporter)
     answer.table(_tabulate(main, limits, title))
-    for line in describe(main, limits):
+    for line in (*describe(main, limits), *rank(main, limits)):
         answer.line(line)
     for text in (dataset.attrs["cycles"], dataset.attrs["friction"]):
         for line in text.splitlines():
@@ -121,6 +123,24 @@ def describe(dataset: xarray.Dataset, limits: Sequence[Limit]) -> Iterator[str]:
             if hidden := [str(name) for name in own["factor"].values[~np.isfinite(without)]]:
                 sentence += f" (not judged: {', '.join(hidden)}; see {YIELD})"
         yield sentence
+
+
+def rank(dataset: xarray.Dataset, limits: Sequence[Limit]) -> Iterator[str]:
+    """The factors of the largest total indices, of the limits' figures, else of the first; nothing without
+    indices. A further factor is named where its interval lies above 0."""
+    names = [str(name) for name in dataset["figure"].values]
+    limited = [name for name in names if name in {limit.figure for limit in limits}]
+    for name in limited or names[:RANKED]:
+        found = dataset["total"].sel(figure=name)
+        known = found.isel(factor=np.flatnonzero(np.isfinite(found.sel(end="value"))))
+        said = [
+            f"{known['factor'].values[k]} {value:.2g} ({low:.2g} to {high:.2g})"
+            for place, k in enumerate(np.argsort(-known.sel(end="value").values, kind="stable")[:RANKED])
+            for value, low, high in [known.values[k]]
+            if not place or low > 0.0
+        ]
+        if said:
+            yield f"{name} varies most with {', '.join(said)}: total Sobol' indices"
 
 
 def _of_steady(dataset: xarray.Dataset) -> str:
