@@ -44,6 +44,7 @@ from ..scenario.system import (
     list_moved_starts,
     list_outputs,
 )
+from ..scenario.warnings import describe_turns
 from ..stepping import RefinedSteps, Stepper
 from .comparison import check_witness
 
@@ -178,7 +179,7 @@ def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: b
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
     notices = [*starts, *list_doubtful_gas(system), *list_notices(scenario)]
     notices += [scenario.master.chosen] if scenario.master.chosen else []
-    for line in notices:
+    for line in (*describe_turns(scenario), *notices):
         reporter.line(line)
     return Plan(
         scenario=scenario,

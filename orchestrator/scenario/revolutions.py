@@ -22,13 +22,19 @@ def convert_to_seconds(content: Mapping[str, Any]) -> dict[str, Any]:
     """The scenario's content with angles such as "2 revolutions" in seconds; Faults if no speed is known."""
     angles = {key: angle for key in DURATIONS if (angle := _parse_angle(content.get(key))) is not None}
     try:
-        # Rounded to twelve digits: 2 revolutions at 1000 r/min are 0.12 s exactly.
+        # Of twelve digits: 2 revolutions at 1000 r/min are 0.12 s exactly.
         return {
             **content,
-            **{key: float(f"{angle / _find_speed(content):.12g}") for key, angle in angles.items()},
+            **{key: to_duration(angle, content) for key, angle in angles.items()},
         }
     except ArithmeticError:
         raise Faults(*((key, f" = {content[key]!r}: {REMEDY}") for key in angles)) from None
+
+
+def to_duration(angle: float, content: Mapping[str, Any]) -> float:
+    """Seconds in which the drive turns by the angle (rad), to twelve digits; ArithmeticError if its speed is
+    unknown or not constant."""
+    return float(f"{angle / find_speed(content):.12g}")
 
 
 def _parse_angle(value: Any) -> float | None:
@@ -43,7 +49,7 @@ def _parse_angle(value: Any) -> float | None:
     return None
 
 
-def _find_speed(content: Mapping[str, Any]) -> float:
+def find_speed(content: Mapping[str, Any]) -> float:
     """The speed of the drive (rad/s); ArithmeticError if it is unknown or not constant."""
     components = content.get("components")
     tables = components.items() if isinstance(components, dict) else ()

@@ -13,6 +13,7 @@ from .capabilities import WHOLE_STEPS, list_file_warnings
 from .checks import list_doubtful
 from .fmu_limits import list_limit_warnings
 from .oil import OILED, OilSheet, evaluate, in_celsius, name_oil, read_oil
+from .revolutions import find_speed
 from .units import to_base_units
 from .values import WARNING, WithUnit, find_idle, to_value
 
@@ -51,6 +52,18 @@ def list_warnings(scenario: Scenario) -> list[str]:
         *_list_other_units(scenario),
         *list_file_warnings(scenario),
         *list_limit_warnings(scenario),
+    ]
+
+
+def describe_turns(scenario: Scenario) -> list[str]:
+    """How far a drive of constant speed turns in the run; none without one."""
+    try:
+        speed = find_speed(scenario.model_dump(include={"components"}))
+    except ArithmeticError:
+        return []
+    turns, rpm = speed * scenario.stop_time / (2.0 * math.pi), speed * 30.0 / math.pi
+    return [
+        f"the drive makes {turns:.4g} revolutions at {rpm:.6g} r/min: stop_time = {scenario.stop_time:g} s"
     ]
 
 

@@ -14,7 +14,7 @@ from orchestrator.scenario.conversion import convert_units
 from orchestrator.scenario.files import list_shipped, load, override, read_changed, to_full_toml
 from orchestrator.scenario.system import build_system
 from orchestrator.scenario.units import FACTORS, ZEROS, UnitError, find_conversion, to_unit
-from orchestrator.scenario.warnings import list_warnings
+from orchestrator.scenario.warnings import describe_turns, list_warnings
 
 # Of tens of instances: compiling their kernels takes long.
 LARGE = ("engine-16v", "pushrod-engine", "valve-train-16v")
@@ -144,6 +144,22 @@ def test_durations_may_be_given_in_revolutions_of_the_drive():
     assert (turned.stop_time, turned.macro_step, turned.output_step) == (0.12, 5e-6, 20e-6)
     fast = load("valve-train", ["stop_time=2 rev", "components.flywheel.parameters.initial_speed=3000 rpm"])
     assert fast.stop_time == 0.04
+
+
+def test_shipped_trains_make_two_revolutions_at_any_speed_and_a_run_says_how_many_it_makes():
+    for name in (
+        "seat-and-lash",
+        "finger-follower",
+        "direct-acting-hla",
+        "finger-follower-hla",
+        "pushrod-train",
+    ):
+        assert load(name).stop_time == 0.12
+        assert load(name, ["components.flywheel.parameters.initial_speed=2000 rpm"]).stop_time == 0.06
+    (said,) = describe_turns(load("valve-train", ["components.flywheel.parameters.initial_speed=2000 rpm"]))
+    assert said == "the drive makes 4 revolutions at 2000 r/min: stop_time = 0.12 s"
+    for changed in (["components.flywheel.parameters.final_speed=2000 rpm"], None):
+        assert not describe_turns(load("valve-train", changed) if changed else load("two-masses"))
 
 
 def test_another_master_keeps_the_options_that_it_has():
