@@ -265,7 +265,7 @@ def test_slopes_of_a_run_are_those_of_differences(monkeypatch):
 
 
 def test_at_the_edge_of_a_range_slopes_are_those_of_the_side_within(monkeypatch):
-    def measure(share):
+    def measure(share, names):
         if share > 0.0:
             raise ModelError("the shares of a rise add up to more than 1")
         return {"cam.figure": (3.0 + 2.0 * share, None)}

@@ -170,7 +170,8 @@ def bow_landing(lobe: Lobe, place: Vector, angle: float, velocity: float) -> Bow
     share = velocity / own
 
     def bow(x: Vector) -> tuple[float, Vector]:
-        if lobe.curve(x[:count]).s[-1] >= lift:  # it lands on the ramp
+        s = lobe.curve(x[:count]).s
+        if not s[-1] < lift < s.max():  # it lands on the ramp
             return 0.0, np.zeros(x.size)
         there, gradient = fall(x, lift)
         return share * (there - own - float(tangent @ (x - place))), share * (gradient - tangent)

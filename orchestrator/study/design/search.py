@@ -23,7 +23,7 @@ from ...assessment.motion import Motion, Part
 from ...reporter import show_share
 from ..speeds.figure_slopes import differentiate_figures
 from ..speeds.separation import is_separated
-from ..speeds.subject import SAMPLES, to_motion
+from ..speeds.subject import to_motion
 from .answers import Answer, differ_by_speed, go_on
 from .figures import AREA, bound_lines, read_figures
 from .files import SCENARIO
@@ -252,7 +252,7 @@ class Search(Shaping):
             answers[speed] = go_on(answers, answer, speed)
             limits += self.list_limits(x, answers[speed], answers[min(answers)], at)
             if figures:
-                rows, shaft = SAMPLES if self.whole else PART, self.train.subject.flywheel
+                rows, shaft = 0 if self.whole else PART, self.train.subject.flywheel
                 found = differentiate_figures(tangents, shaft, samples=rows, names=figures)
                 # A valve may land outside the part that has tangents.
                 none = np.zeros(x.size)

@@ -114,12 +114,12 @@ def _spread(system: System, flywheel: str, changes: Mapping[str, float]) -> dict
 
 
 def differentiate_figures(
-    tangents: CycleTangents, flywheel: str, turns: int = 1, samples: int = SAMPLES,
+    tangents: CycleTangents, flywheel: str, turns: int = 1, samples: int = 0,
     names: Container[str] | None = None,
 ) -> dict[str, FigureSlopes]:  # fmt: skip
     """Of all figures by "part.figure", or those of `names`, but angles and those that a motion of so many
-    turns has not; from so many rows in a turn."""
-    rows = tangents.rows_at(_find_times(tangents, flywheel, turns * samples, names))
+    turns has not; from so many rows in a turn (0: SAMPLES)."""
+    rows = tangents.rows_at(_find_times(tangents, flywheel, turns * (samples or SAMPLES), names))
     values = _measure(_move(tangents, rows, 0, 0.0, flywheel), names)
     count = len(tangents.directions)
     sides = []
