@@ -1,7 +1,7 @@
 """What is asked of a valve's springs: forces, surge, travel left to coil bind, fatigue of the wire."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from ..scenario.values import WARNING
 from .motion import NONE, Figure, Found, Part, find_largest, find_least
 from .trains import Train, find_trains, parameter_of
 
+# What a spring's mass follows from, with units.
+BY_MASS = {"spring_rate": "N/m", "surge_frequency": "Hz"}
 MORE_TRAVEL = "fewer coils, a thinner wire or a larger installed length give it more travel"
 
 
@@ -72,6 +74,30 @@ def remark_default_bind(system: System) -> Iterator[str]:
 def binds_by_default(spring: Instance) -> bool:
     """Whether neither a scenario nor a wire gives the travel until its coils touch."""
     return spring.parameters.keys().isdisjoint(_name_gaps(spring))
+
+
+def remark_masses(systems: Sequence[System], changed: Collection[str] = ()) -> Iterator[str]:
+    """Of each spring whose rate or surge frequency alone differs among the systems, or is among the paths of
+    what was `changed`: its coils' mass, k/(4 f^2) by rate k and first frequency f (Hz) between fixed ends."""
+    for name in dict.fromkeys(name for train in find_trains(systems[0]) for name in list_springs(train)):
+        springs = [one.instances[name] for one in systems if name in one.instances]
+        if not all(key in one.component.parameters for one in springs for key in BY_MASS):
+            continue
+        values = {key: [parameter_of(one, key) for one in springs] for key in BY_MASS}
+        varied = [
+            key
+            for key, every in values.items()
+            if len(set(every)) > 1 or f"components.{name}.parameters.{key}" in changed
+        ]
+        if len(varied) != 1:
+            continue
+        (kept,) = values.keys() - {*varied}
+        masses = sorted({1e3 * k / (4.0 * f**2) for k, f in zip(*values.values(), strict=True)})
+        yield (
+            f"{name}: {kept} stays {values[kept][0]:g} {BY_MASS[kept]} as {varied[0]} changes, so that the "
+            f"coils' mass, spring_rate/(4 surge_frequency^2), is {', '.join(f'{m:.4g}' for m in masses)} g; "
+            f"set {kept} too where the spring has another mass"
+        )
 
 
 def _surge(part: Part) -> Found:

@@ -13,7 +13,7 @@ from models.core.system import Instance, System
 from orchestrator.assessment.figures_of_merit import measure
 from orchestrator.assessment.motion import Motion
 from orchestrator.assessment.notices import list_notices
-from orchestrator.assessment.springs import remark_default_bind, warn_of_solid
+from orchestrator.assessment.springs import remark_default_bind, remark_masses, warn_of_solid
 from orchestrator.assessment.trains import find_trains
 from orchestrator.scenario import ScenarioError
 from orchestrator.scenario.files import load
@@ -194,6 +194,25 @@ def test_coil_bind_by_a_default_is_said_with_how_to_give_it(given: str) -> None:
     (said,) = remark_default_bind(build_system(load("valve-stem")))
     assert said.endswith("components.NAME.parameters.gap, or components.NAME.wire")
     assert not list(remark_default_bind(build_system(load("coil-clash"))))
+
+
+def test_a_rate_that_varies_alone_says_that_the_spring_changes_its_mass() -> None:
+    """At 480 Hz k/(4 f^2) is 32.55 g of 30 N/mm, and 54.25 g of 50; 40 N/mm of 554.3 Hz have 32.55 g too."""
+    springs = [("30 N/mm", "480 Hz"), ("50 N/mm", "480 Hz"), ("40 N/mm", "554.256258 Hz")]
+    path = "components.valve_spring.parameters"
+    given = [[f"{path}.spring_rate = {k}", f"{path}.surge_frequency = {f}"] for k, f in springs]
+    light, heavy, stiff = (build_system(load("valve-train", one)) for one in given)
+    (said,) = remark_masses([light, heavy])
+    assert said.startswith("valve_spring: surge_frequency stays 480 Hz as spring_rate changes, so that")
+    assert "is 32.55, 54.25 g; set surge_frequency too" in said
+    assert not list(remark_masses([light, stiff]))  # both differ
+    assert not list(remark_masses([light, light]))
+    alone, both = (
+        [line for line in list_notices(load("valve-train", one)) if "mass" in line]
+        for one in (given[2][1:], given[2])
+    )
+    assert alone[0].startswith("valve_spring: spring_rate stays 35000 N/m as surge_frequency changes")
+    assert not both
 
 
 @pytest.mark.parametrize("solid", [True, False])

@@ -19,11 +19,14 @@ from models.core.interruption import deferred, look
 from ...assessment.friction.losses import describe_content
 from ...assessment.friction.shares import WHOLE
 from ...assessment.lost_contact import find_lost, find_rippled, find_unsteady
+from ...assessment.springs import remark_masses
 from ...errors import MistakeError, Option
 from ...plots.speeds import draw_variants
 from ...plots.style import save_figure
 from ...reporter import Reporter
+from ...scenario import build_scenario
 from ...scenario.display import Shown, add_unit, format_number, show_attributes
+from ...scenario.system import build_system
 from ...store.csv_file import write_rows
 from .compare import VARIANTS, Worst, find_worst, is_least_worst, name_folder
 from .sweep import Swept
@@ -338,7 +341,12 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
         reporter.console.print(shown)
     for outside in {table.attrs["outside"]: 0 for table in judged.tables if table.attrs.get("outside")}:
         reporter.line(f"* {describe_content(outside)}")
-    for line in (*describe_landing(judged, list(swept)), *describe_frugal(swept), *join_remarks(swept)):
+    tomls = [text for one in swept.values() if (text := one.summary.get("scenario_toml"))]
+    systems = [build_system(build_scenario(tomllib.loads(text))) for text in tomls]
+    for line in (
+        *describe_landing(judged, list(swept)), *describe_frugal(swept), *join_remarks(swept),
+        *(remark_masses(systems) if systems else ()),
+    ):  # fmt: skip
         reporter.line(line)
     rows = [
         ["design", *swept],
