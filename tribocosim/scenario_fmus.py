@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 # What hosts that integrate by themselves take: at 1e-5 their trial steps leave a film's range.
 TOLERANCE = 1e-8
+# Angle of the drive (rad): at 0.24 deg a host missed 14 % of a load's peak of 801 N, at 0.1 deg 1.3 %.
+FINE = math.radians(0.1)
 
 
 @checks_arguments
@@ -59,10 +62,9 @@ def build_scenario_fmus(
             parts = _list_parts(checked, resolve_start(checked, assemble(checked).system).instances)
             names = list(dict.fromkeys(components)) or list(parts)
             check_place(Path(out), names)
-            about = f"of {checked.name}"
+            about, run = f"of {checked.name}", plan_experiment(checked)
             own = [
-                write_part(folder, to_identifier(name), f"{name} {about}", parts[name], _experiment(checked))
-                for name in names
+                write_part(folder, to_identifier(name), f"{name} {about}", parts[name], run) for name in names
             ]
         return [build_file(one, Path(out), options, progress) for one in own]
 
@@ -81,13 +83,20 @@ def write_whole(checked: CheckedScenario, folder: Path, outside: Sequence[str] =
     parts = _transform(inside, assembly)
     lines = [(str(c.source), str(c.target)) for c in system.connections]
     about = f"{checked.description or checked.name}: {', '.join(parts)}"
-    return write_train(folder, to_identifier(checked.name), about, parts, lines, _experiment(checked))
+    return write_train(folder, to_identifier(checked.name), about, parts, lines, plan_experiment(checked))
 
 
-def _experiment(checked: CheckedScenario) -> Experiment:
+def plan_experiment(checked: CheckedScenario) -> Experiment:
+    """The scenario's run, in its macro steps or in FINE of the drive, if these are shorter: a host that takes
+    no longer ones sees the peaks."""
     from fmus.fmi.description import Experiment
+    from orchestrator.scenario.revolutions import to_duration
 
-    return Experiment(checked.stop_time, checked.macro_step, tolerance=TOLERANCE)
+    try:
+        step = min(checked.macro_step, to_duration(FINE, checked.model_dump(include={"components"})))
+    except ArithmeticError:
+        step = checked.macro_step
+    return Experiment(checked.stop_time, step, tolerance=TOLERANCE)
 
 
 def _check(scenario: CheckedScenario, components: Sequence[str], whole: bool, outside: Sequence[str]) -> None:

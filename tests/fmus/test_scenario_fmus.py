@@ -12,6 +12,7 @@ from models.core.evaluation import Interpreted
 from models.core.system import Instance
 from models.monolithic.reference import solve
 from orchestrator.scenario.system import assemble, resolve_start
+from tribocosim.scenario_fmus import plan_experiment
 
 TRAIN = "finger-follower-hla"
 
@@ -35,6 +36,17 @@ def compose_shipped(name: str, outside: tuple[str, ...] = ()):
     lines = [(str(c.source), str(c.target)) for c in system.connections]
     kept = {part: instance for part, instance in system.instances.items() if part not in outside}
     return system, compose("train", "", kept, lines)
+
+
+def test_the_default_experiment_shows_the_peaks_at_the_scenarios_speed():
+    """Its step is a macro step of 5 us, or 0.1 deg of the drive: 2.78 us at 6000 r/min."""
+    for speed, step in (("2000 rpm", 5e-6), ("6000 rpm", 0.1 / 360.0 / 100.0)):
+        changed = tribocosim.load("valve-train").with_(
+            {"components.flywheel.parameters.initial_speed": speed}
+        )
+        assert plan_experiment(changed.check()).step_size == pytest.approx(step, rel=1e-11)
+    free = tribocosim.load("two-masses").check()
+    assert plan_experiment(free).step_size == free.macro_step
 
 
 @pytest.mark.plain

@@ -60,10 +60,11 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     """
     from orchestrator.errors import MistakeError, Option
     from orchestrator.scenario.files import read
+    from orchestrator.scenario.units import format_time
 
     from ..fmu import FmuOptions, build_file, check_options, check_place
     from ..scenario import Scenario
-    from ..scenario_fmus import build_scenario_fmus
+    from ..scenario_fmus import build_scenario_fmus, plan_experiment
 
     if scenario is None:
         for option, given in (("set", set_), ("whole", whole), ("outside", outside)):
@@ -81,15 +82,18 @@ def fmu_build(  # noqa: PLR0913  # options of a command
     if structure:
         raise MistakeError((Option("structure"), ": a scenario's components have its sizes"))
     built = scenario if whole or not names else f"{', '.join(names)} of {scenario}"
+    wanted = Scenario(*read(scenario, set_ or []))
     with tell_replaced(_list_fmus(out)), _show_progress(built, native) as progress:
         files = build_scenario_fmus(
-            Scenario(*read(scenario, set_ or [])), out, components=names or (), whole=whole,
+            wanted, out, components=names or (), whole=whole,
             outside=outside or (), native=native, platforms=platform or (), fmi=fmi, progress=progress,
         )  # fmt: skip
     for file in files:
         show(file)
         if whole:
             _tell_replaced_starts(file)
+            step = format_time(plan_experiment(wanted.check()).step_size)
+            say(f"{file}: take an output interval of {step} or less: a host sees no peak between its times")
 
 
 def _tell_replaced_starts(file: Path) -> None:
