@@ -33,6 +33,8 @@ BEFORE = 0.0, 1.0
 COLOUR = re.compile(r"\x1b\[\d*m")
 # Lines of numba's messages that say where it was, not what is wrong.
 FRAMES = "Failed in", "During:", "File ", "def ", "^"
+# Numbers beyond each result, by which it is seen that a kernel writes there: nothing else guards memory.
+ROOM = 64
 # Names that a message lists.
 MOST = 30
 # How long (s) kernels may take for all points but the start: they take microseconds, as Python milliseconds.
@@ -242,8 +244,15 @@ def _check_results(component: Component, evaluate: Any, number: int, x: Vector, 
     names += [f"guard g[{i}]" for i in range(sizes[3])]
 
     def compute(before: float, k: int, inputs: Vector) -> Sequence[Vector]:
-        results = [np.full(size, before) for size in sizes]
-        evaluate(k, x.copy(), inputs.copy(), p.copy(), *results)
+        given = x.copy(), inputs.copy(), p.copy()
+        every = [np.full(size + ROOM, before) for size in sizes]
+        results = [one[:size] for one, size in zip(every, sizes, strict=True)]
+        evaluate(k, *given, *results)
+        _check_arguments(component, given, (x, inputs, p))
+        for name, one, size in zip(("dx", "y", "e", "g"), every, sizes, strict=True):
+            if beyond := np.flatnonzero(one[size:] != before).tolist():
+                last = f"its last is {name}[{size - 1}]" if size else "it has none"
+                raise ModelError(f"a kernel writes {name}[{size + beyond[0]}]: {last}")
         return results
 
     found = compute(BEFORE[0], 0, u)
@@ -267,6 +276,17 @@ def _check_results(component: Component, evaluate: Any, number: int, x: Vector, 
                     f"output {name} depends on input {field.name} at the same instant, but feedthrough does "
                     f"not say so; give feedthrough={{{str(name)!r}: [{every}], ...}}"
                 )
+
+
+def _check_arguments(component: Component, after: Point, before: Point) -> None:
+    """ModelError for what a kernel changed that it may only read."""
+    layouts = component.state, component.inputs, component.parameters
+    for record, layout, now, given in zip("xup", layouts, after, before, strict=True):
+        names = np.array(layout.names)[(now != given) & ~(np.isnan(now) & np.isnan(given))]
+        for name in names[:1]:
+            raise ModelError(
+                f"a kernel sets {record}.{name}: only a transition may; derivative writes to dx, output to y"
+            )
 
 
 def _describe(component: Component, x: Vector, u: Vector, p: Vector) -> str:

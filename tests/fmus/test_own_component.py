@@ -148,6 +148,7 @@ SLIPS = {
     ),
     "rate": ("    dx.angle = x.speed\n", "", r"the rate dx.angle: not set"),
     "added to": ("e[2] = 0.0", "e[2] += 0.0", r"the source power e\[2\]: not set"),
+    "overwritten": (SPEED, SPEED + "    x.angle = 0.0\n", r"a kernel sets x\.angle: only a transition may"),
     "undeclared": (
         SPEED,
         THROUGH,
@@ -165,6 +166,13 @@ def test_what_kernels_misspell_or_leave_out_is_named(slip, folder):
     assert right in CODE
     (folder / "my_parts.py").write_text(CODE.replace(right, wrong, 1) + HELPER, "utf-8")
     with pytest.raises(ValueError, match=said):
+        build_component(f"{folder / 'my_parts.py'}:pendulum")
+
+
+def test_a_compiled_kernel_that_writes_beyond_its_results_is_named(folder):
+    """Compiled code asks no bounds: it would overwrite other memory of the run."""
+    (folder / "my_parts.py").write_text(CODE.replace("e[2] = 0.0", "e[2] = 0.0\n    e[7] = 1.0", 1), "utf-8")
+    with pytest.raises(ValueError, match=r"a kernel writes e\[7\]: its last is e\[2\]"):
         build_component(f"{folder / 'my_parts.py'}:pendulum")
 
 
