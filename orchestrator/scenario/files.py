@@ -100,9 +100,19 @@ def read(name: str | Path, overrides: Sequence[str] = ()) -> tuple[dict[str, Any
     """The tables of a shipped scenario or a file, with `overrides` ("path=value"), and their origin."""
     path = find(name)
     content = read_contents(path)
+    own = _read(path) if path.suffix == ".toml" else content
+    inherited = _list_inputs(content) - _list_inputs(own)
     changed = override(content, overrides)
     resolve_paths(content, Path.cwd())  # of the overrides; those of the file are absolute
-    return content, Origin(path, changed)
+    return content, Origin(path, changed, inherited)
+
+
+def _list_inputs(content: Mapping[str, Any]) -> frozenset[str]:
+    """The inputs "component.input" that have values."""
+    components = content.get("components")
+    tables = components.items() if isinstance(components, dict) else ()
+    given = {name: table.get("inputs") for name, table in tables if isinstance(table, dict)}
+    return frozenset(f"{name}.{one}" for name, own in given.items() if isinstance(own, dict) for one in own)
 
 
 def read_changed(name: str | Path, overrides: Sequence[str] = ()) -> dict[str, Any]:

@@ -18,10 +18,12 @@ Check = TypeVar("Check", bound=Callable[..., Any])
 
 @dataclass(frozen=True)
 class Origin:
-    """A scenario's file, and what the command changed in it: values by their paths."""
+    """A scenario's file, what the command changed in it, values by their paths, and the inputs
+    "component.input" whose values only the files have that it extends."""
 
     path: Path
     changed: Mapping[str, Any] = field(default_factory=dict)
+    inherited: frozenset[str] = frozenset()
 
     def find_source(self, said: str) -> str | Option:
         """The option, if a message names what it changed, or an unknown table of that; else the file, and the

@@ -11,6 +11,7 @@ from ..participants.third_party import ThirdPartyComponent
 from . import ComponentTable, Scenario
 from .capabilities import WHOLE_STEPS, list_file_warnings
 from .checks import list_doubtful
+from .display import say, show
 from .fmu_limits import list_limit_warnings
 from .oil import OILED, OilSheet, evaluate, in_celsius, name_oil, read_oil
 from .revolutions import find_speed
@@ -65,6 +66,23 @@ def describe_turns(scenario: Scenario) -> list[str]:
     return [
         f"the drive makes {turns:.4g} revolutions at {rpm:.6g} r/min: stop_time = {scenario.stop_time:g} s"
     ]
+
+
+def list_inherited(scenario: Scenario) -> Iterator[str]:
+    """Constant inputs, other than zero, that only the files have that the scenario's extends."""
+    if not (origin := scenario.origin):
+        return
+    for name, table in scenario.components.items():
+        for variable, value in table.inputs.items():
+            path, stem = f"components.{name}.inputs.{variable}", variable.partition("[")[0]
+            known = not origin.inherited.isdisjoint((f"{name}.{variable}", f"{name}.{stem}"))
+            if not known or not value or isinstance(value, str) or path.startswith(tuple(origin.changed)):
+                continue
+            quantity = table.resolve().inputs.field(variable).quantity
+            yield (
+                f"{path} = {say(float(value), show(quantity))} ({quantity.description}): is of the scenario "
+                "that this one extends; give it here to change it, 0 for none"
+            )
 
 
 def longest_sensible_step(scenario: Scenario) -> float:

@@ -11,7 +11,7 @@ from orchestrator.scenario import ScenarioError, build_scenario
 from orchestrator.scenario.checks import check_units
 from orchestrator.scenario.files import list_shipped, load, to_full_toml
 from orchestrator.scenario.system import build_system
-from orchestrator.scenario.warnings import list_warnings
+from orchestrator.scenario.warnings import list_inherited, list_warnings
 
 
 @pytest.mark.parametrize(
@@ -31,6 +31,25 @@ def test_a_parameter_without_an_effect_is_said_with_its_remedy(settings, said):
     assert len(found) == bool(said)
     assert all(word in one for one in found for word in said)
     assert list_warnings(build_scenario(tomllib.loads(to_full_toml(scenario)))) == list_warnings(scenario)
+
+
+def test_inputs_of_an_extended_scenario_are_told(tmp_path):
+    """0.1 N m of a clip spring, in every balance of moments about the pivot."""
+    file, below = tmp_path / "mine.toml", tmp_path / "below.toml"
+    below.write_text('extends = "finger-follower"\n')
+    file.write_text('extends = "below.toml"\n[components.finger.parameters]\nbase_radius = "17.5 mm"\n')
+    (said,) = list_inherited(load(file))
+    assert said.startswith("components.finger.inputs.pivot_torque = 0.1 N m (torque")
+    assert said.endswith("is of the scenario that this one extends; give it here to change it, 0 for none")
+    for change in (
+        "components.finger.inputs.pivot_torque=0.2",
+        "components.finger.inputs={pivot_torque = 0}",
+    ):
+        assert not list(list_inherited(load(file, [change])))
+    with file.open("a") as more:
+        more.write('[components.finger.inputs]\npivot_torque = "0.2 N.m"\n')
+    assert not list(list_inherited(load(file)))
+    assert not list(list_inherited(load("finger-follower")))
 
 
 def test_what_has_no_effect_is_noticed():
