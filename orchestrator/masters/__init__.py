@@ -14,6 +14,7 @@ from .gauss_seidel import GaussSeidel
 from .iterated import Iterated
 from .jacobi import Jacobi
 from .newton import Newton
+from .own import explain_steps
 from .protocol import Master
 
 MASTERS: dict[str, type[Any]] = {
@@ -43,7 +44,7 @@ def find_master(name: str) -> type[Any]:
     if not (isinstance(kind, type) and is_dataclass(kind)) or lacking:
         lacks = f"lacks {', '.join(lacking)}" if lacking else "is no dataclass"
         raise ValueError(f"{name}: {lacks}; must be a class as orchestrator.masters.protocol.Master says")
-    return kind
+    return explain_steps(kind, name)
 
 
 __all__ = ["MASTERS", "GaussSeidel", "Iterated", "Jacobi", "Master", "Newton", "find_master", "find_name"]

@@ -36,6 +36,14 @@ class Own(Jacobi):
         if self.gain <= 0.0:
             raise ValueError(f"gain = {self.gain}: must be > 0")
 
+class Lost(Jacobi):
+    def step(self, coupling, time, step):
+        super().step(coupling, time, step)
+
+class Slip(Jacobi):
+    def step(self, coupling, time, step):
+        return super().step(coupling, time, [step][1])
+
 class Plain:
     pass
 
@@ -77,6 +85,19 @@ def test_an_own_master_runs_as_the_same_one_of_ours():
 def test_what_is_no_master_is_refused(settings, said):
     with pytest.raises(MistakeError, match=said):
         load("two-masses", [f"master.name={settings[0]}", *settings[1:]])
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("Lost", "own_master:Lost: its step returned None; return a MasterStep"),
+        ("Slip", "own_master:Slip: own_master.py, line 21: IndexError: list index out of range; correct"),
+    ],
+)
+def test_mistakes_of_an_own_master_are_told_with_their_place(name, said):
+    changes = {"stop_time": 0.2, "reference.enabled": False, "master.name": f"own_master:{name}"}
+    with pytest.raises(RunError, match=said):
+        tribocosim.run(tribocosim.load("two-masses").with_(changes), figures=False)
 
 
 @pytest.mark.parametrize("restorable", [True, False])
