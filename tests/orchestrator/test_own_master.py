@@ -91,7 +91,7 @@ def test_what_is_no_master_is_refused(settings, said):
     ("name", "said"),
     [
         ("Lost", "own_master:Lost: its step returned None; return a MasterStep"),
-        ("Slip", "own_master:Slip: own_master.py, line 21: IndexError: list index out of range; correct"),
+        ("Slip", "own_master:Slip: own_master.py, line 20: IndexError: list index out of range; correct"),
     ],
 )
 def test_mistakes_of_an_own_master_are_told_with_their_place(name, said):
