@@ -18,12 +18,12 @@ def list_frozen(system: System, foreign: Collection[str], column: Callable[[str]
 
 def _describe(system: System, name: str, column: Callable[[str], Vector]) -> str:
     layout = system.instances[name].component.outputs
-    own = [f"{name}.{field.name}" for field in layout.fields if not field.quantity.jumps]
     driving = [c for c in system.connections if c.target.instance == name]
-    if not own or not driving:
+    # What jumps may stand still for long, and shows life where it does not.
+    if not driving or all(field.quantity.jumps for field in layout.fields):
         return ""
     times = column("time")
-    last = max(_last_change(column(output)) for output in own)
+    last = max(_last_change(column(f"{name}.{output}")) for output in layout.names)
     still = len(times) - 1 - last
     if still < max(FEWEST, SHARE * len(times)):
         return ""

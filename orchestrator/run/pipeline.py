@@ -15,6 +15,7 @@ from ..store import atomic_write
 from ..store.journal import Recorded, journals
 from ..store.output_folder import (
     PRINTED,
+    RESULT,
     SCENARIO,
     SUMMARY,
     Backup,
@@ -180,6 +181,9 @@ def _report_ended(out: Path, reporter: Reporter) -> Summary:
         raise OutputFolderError(
             f"{format_path(out)}: the run left nothing to go on from", start_over(format_path(out))
         )
+    if not (out / RESULT).exists():
+        gone = f"{format_path(out)}: the run is complete, but {RESULT} is not there"
+        raise OutputFolderError(gone, start_over(format_path(out)))
     reporter.line(f"{format_path(out)}: the run is complete; there is nothing to continue")
     known = ("scenario", "description", "version", "master", "macro_step", "fixed_steps", "tolerance")
     state = ("complete", "resumable", "message", "verdict", "exit_status", "macro_steps", "iterations")

@@ -1,10 +1,13 @@
 """`auto`: what it chooses keeps the tolerance, costs little more than the best choice, and is recorded."""
 
+from unittest.mock import Mock
+
 import pytest
 
 import tribocosim
 from benchmarks.hindsight import find_best, list_scenarios, run_chosen, solve_problem
-from orchestrator.errors import MistakeError
+from orchestrator.analyses.stability import choice
+from orchestrator.errors import MistakeError, RefusedError, RunError, Set, UnstableCouplingError
 from orchestrator.scenario.files import load
 
 # doSteps over the fewest of all other choices.
@@ -101,3 +104,18 @@ def test_what_lands_hard_is_tried_with_steps_that_are_made_again():
 def test_what_cannot_be_chosen_is_refused_with_the_reason(name, changes, reason):
     with pytest.raises(MistakeError, match=reason):
         tribocosim.plan(tribocosim.load(name).with_({"master": {"name": "auto"}, **changes}))
+
+
+UNSTABLE = UnstableCouplingError("t.w: unstable", ("halve ", Set("macro_step", "1 ms")), "auto")
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [(UNSTABLE, "auto': t.w: unstable; halve .*, or name"), (RefusedError("pid: refused"), "^pid: refused$")],
+)
+def test_a_choice_that_fails_names_no_remedy_that_led_there(error, said, monkeypatch):
+    """What a participant refuses is no matter of the master, nor does `auto` help `auto`."""
+    monkeypatch.setattr(choice, "survey_scenario", Mock(side_effect=error))
+    with pytest.raises((MistakeError, RunError), match=said) as raised:
+        tribocosim.plan(tribocosim.load("two-masses").with_({"master": {"name": "auto"}}))
+    assert "or auto" not in str(raised.value)

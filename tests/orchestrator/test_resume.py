@@ -286,6 +286,9 @@ def test_what_is_no_unfinished_run_is_told(whole, tmp_path):
     with pytest.raises(OutputFolderError, match="left nothing to go on from") as refused:
         resume(tmp_path, build_fmu, quiet())
     assert refused.value.remedies == (start_over(tmp_path),)
+    shutil.copy(whole / "summary.json", tmp_path)
+    with pytest.raises(OutputFolderError, match=r"complete, but result\.nc is not there; start over"):
+        resume(tmp_path, build_fmu, quiet())
 
 
 def test_killed_while_it_tidied_up_it_is_complete(killed, whole):

@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import psutil
@@ -20,6 +21,8 @@ from fmus.build import build
 from models.compile import temporary
 from models.compile.temporary import NEW, PREFIX, TemporaryFolder
 from models.core.interruption import is_asked
+from models.core.system import Port
+from orchestrator.assessment.frozen import list_frozen
 from orchestrator.errors import MistakeError, in_command_line
 from orchestrator.reporter import Reporter
 from orchestrator.run.pipeline import resume, run
@@ -314,6 +317,18 @@ def test_an_fmu_that_stands_still_while_its_input_moves_is_named(tmp_path):
     assert re.match(
         r"freezing: no output changes from t = 0\.(29|3|31) s on, though freezing\.u changes", said
     )
+
+
+@pytest.mark.parametrize(("steps", "told"), [(np.zeros(30), 1), (np.arange(30.0), 0)])
+def test_an_fmu_whose_discrete_output_follows_does_not_stand_still(steps, told):
+    jumping, smooth = (Mock(quantity=Mock(jumps=jumps)) for jumps in (True, False))
+    outputs = Mock(fields=[jumping, smooth], names=("count", "out"))
+    system = Mock(
+        instances={"f": Mock(component=Mock(outputs=outputs))},
+        connections=[Mock(source="d.x", target=Port("f", "u"))],
+    )
+    columns = {"time": np.arange(30.0), "d.x": np.arange(30.0), "f.count": steps, "f.out": np.zeros(30)}
+    assert len(list_frozen(system, ["f"], columns.__getitem__)) == told
 
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="needs prlimit of Linux")

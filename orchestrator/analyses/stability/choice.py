@@ -24,7 +24,7 @@ from models.monolithic.trajectory import Trajectory
 
 from ...assessment.contacts import summarise_rows
 from ...engine.signals import DEGREES
-from ...errors import MistakeError, RunError, Set
+from ...errors import MistakeError, RefusedError, RunError, Set, UnstableCouplingError
 from ...masters import GaussSeidel, Iterated, Master, find_name
 from ...reporter import CHOICE, Reporter
 from ...scenario import Scenario, ScenarioError
@@ -109,6 +109,12 @@ def choose(resolved: Resolved, reporter: Reporter) -> Resolved:
     """
     try:
         chosen = apply(resolved.scenario, find_choice(resolved, reporter))
+    except RefusedError:  # by a participant, whatever the master
+        raise
+    except UnstableCouplingError as error:
+        halved, *_ = error.remedies  # others name `auto`, or masters
+        said = f"master.name = {AUTO!r}: ", error.fault, "; ", halved, ", or name a master"
+        raise ScenarioError(said) from None
     except (MistakeError, ModelError, RunError) as error:
         remedy = "; name a master, e.g. ", Set("master.name", "gauss_seidel")
         raise ScenarioError((f"master.name = {AUTO!r}: ", error, remedy)) from None
