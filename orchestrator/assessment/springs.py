@@ -72,8 +72,9 @@ def remark_default_bind(system: System) -> Iterator[str]:
 
 
 def binds_by_default(spring: Instance) -> bool:
-    """Whether neither a scenario nor a wire gives the travel until its coils touch."""
-    return spring.parameters.keys().isdisjoint(_name_gaps(spring))
+    """Whether the travel until its coils touch is the component's default."""
+    fields = (spring.component.parameters.field(name) for name in _name_gaps(spring))
+    return all(parameter_of(spring, field.name) == field.start for field in fields)
 
 
 def remark_masses(systems: Sequence[System], changed: Collection[str] = ()) -> Iterator[str]:

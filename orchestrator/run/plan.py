@@ -14,7 +14,7 @@ from models.core.quantities import Quantity, Vector
 from models.core.system import Instance, System
 
 from ..assessment.gas_phase import list_doubtful_gas
-from ..assessment.notices import list_notices
+from ..assessment.notices import list_changes, list_doubts
 from ..assessment.trains import check_lash
 from ..engine.effort import timed
 from ..engine.energy import add_counting, counting_structure
@@ -177,9 +177,9 @@ def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: b
     with reporter.stage(FMUS):
         participants = plan_participants(scenario, assembly.linear, build)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
-    notices = [*starts, *list_doubtful_gas(system), *list_notices(scenario)]
+    notices = [*starts, *list_doubtful_gas(system), *list_doubts(scenario)]
     notices += [scenario.master.chosen] if scenario.master.chosen else []
-    for line in (*describe_turns(scenario), *notices):
+    for line in (*describe_turns(scenario), *list_changes(scenario), *notices):
         reporter.line(line)
     return Plan(
         scenario=scenario,

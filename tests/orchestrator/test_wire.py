@@ -177,9 +177,9 @@ def test_a_spring_that_is_solid_before_full_lift_is_said_before_the_run(installe
     )
 
 
-@pytest.mark.parametrize("given", ["parameters.clash_clearance = 20 mm", "wire"])
+@pytest.mark.parametrize("given", ["parameters.clash_clearance = 19 mm", "wire"])
 def test_coil_bind_by_a_default_is_said_with_how_to_give_it(given: str) -> None:
-    """Of many springs once; a lift that a scenario gives is its own, though it be the default."""
+    """Of many springs once; a resumed run, whose scenario has all numbers, says the same."""
     lines = [f"wire.{key} = {value}" for key, value in WIRE.items()] if given == "wire" else [given]
     own = load("seat-and-lash", [f"components.valve_spring.{line}" for line in lines])
     assert not [line for line in list_notices(own) if "coil bind" in line]
