@@ -12,6 +12,7 @@ from models.core.words import tally
 
 from ..errors import MistakeError, Option
 from ..reporter import Bar, Reporter, tell_interruption
+from ..store.output_folder import refuse_file
 from .cluster import connect
 from .execution import Execution
 from .files import Plan
@@ -50,6 +51,7 @@ def run(
     Raises MistakeError before anything is written, RunError if the workers cannot go on, and
     KeyboardInterrupt with how to continue. The last two keep all finished points.
     """
+    refuse_file(out)
     reporter.notice(_list_warnings(plan))
     versions = compute_fingerprint(plan.subject)
     with (
