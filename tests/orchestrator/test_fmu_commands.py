@@ -42,11 +42,11 @@ def test_an_fmu_is_renewed_and_another_one_replaced_with_a_word(tmp_path):
     assert said(called(*build)) == f"tribocosim: {file}: replaced a different file of this name"
     assert zipfile.is_zipfile(file)
     train = ("fmu", "build", "--scenario", "two-masses", "--whole", "--out", str(tmp_path / "train.fmu"))
-    interval = f"tribocosim: {tmp_path / 'train.fmu'}: take an output interval of 2 ms or less"
-    assert called(*train).stderr.startswith(interval)
-    other = called(*train, "--set", "components.first.parameters.mass=2").stderr
-    assert f"tribocosim: {tmp_path / 'train.fmu'}: replaced a different file of this name" in other
-    assert interval in other
+    whole = f"tribocosim: {tmp_path / 'train.fmu'}: "
+    interval = f"{whole}take an output interval of 2 ms or less: a host sees no peak between its times"
+    assert said(called(*train)) == interval
+    other = called(*train, "--set", "components.first.parameters.mass=2").stderr.splitlines()
+    assert sorted(other) == [f"{whole}replaced a different file of this name", interval]
 
 
 def test_the_build_of_a_native_fmu_says_what_it_waits_for(tmp_path, monkeypatch):
