@@ -144,15 +144,16 @@ def _find_bare(line: str) -> str:
         made = _COMMA.sub(".", value)
         if value in ("True", "False"):
             return f"; write {key} = {value.lower()}"
-        if _is_toml(value):
+        if is_toml(value):
             continue
-        if _is_toml(made):
+        if is_toml(made):
             return f"; a number has a decimal point: {key} = {made}"
         return f'; a text, or a number with a unit, stands in quotes: {key} = "{made}"'
     return ""
 
 
-def _is_toml(value: str) -> bool:
+def is_toml(value: str) -> bool:
+    """Whether a text is a value of TOML."""
     try:
         tomllib.loads(f"value = {value}")
     except ValueError:

@@ -283,10 +283,9 @@ def _check_arguments(component: Component, after: Point, before: Point) -> None:
     layouts = component.state, component.inputs, component.parameters
     for record, layout, now, given in zip("xup", layouts, after, before, strict=True):
         names = np.array(layout.names)[(now != given) & ~(np.isnan(now) & np.isnan(given))]
-        for name in names[:1]:
-            raise ModelError(
-                f"a kernel sets {record}.{name}: only a transition may; derivative writes to dx, output to y"
-            )
+        if names.size:
+            said = "only a transition may; derivative writes to dx, output to y"
+            raise ModelError(f"a kernel sets {record}.{names[0]}: {said}")
 
 
 def _describe(component: Component, x: Vector, u: Vector, p: Vector) -> str:

@@ -21,7 +21,7 @@ from .adjusters import UNHELD, describe_growth
 from .contacts import ContactSummaries, ContactSummary, name_turn
 from .figures_of_merit import SHARE, measure
 from .friction.losses import list_losses, name_outside, note_friction
-from .friction.remarks import find_film_ratios, list_soft, remark_soft
+from .friction.remarks import remark_asperities
 from .friction.shares import describe_torque, sum_losses
 from .grooves import describe_groove
 from .motion import RUN, Motion
@@ -119,11 +119,10 @@ def _list_observed(contact: ContactSummary) -> Iterator[tuple[str, float, float 
 
 def describe(system: System, merits: Sequence[Merit], read: Read) -> list[str]:
     """Warnings of clashes, then lines of trains, drive, adjusters, bearings and doubtful asperities."""
-    tellers = (
-        warn_of_clashes, describe_trains, describe_drive, describe_adjusters, describe_bearings,
-        remark_asperities,
-    )  # fmt: skip
-    return [line for tell in tellers for line in tell(system, merits, read)]
+    tellers = (warn_of_clashes, describe_trains, describe_drive, describe_adjusters, describe_bearings)
+    told = [line for tell in tellers for line in tell(system, merits, read)]
+    figures = {f"{merit.part}.{merit.figure}": merit.value for merit in merits}
+    return [*told, *remark_asperities(system, figures)]
 
 
 def warn_of_clashes(system: System, merits: Sequence[Merit], read: Read) -> Iterator[str]:
@@ -348,13 +347,6 @@ def describe_drive(system: System, merits: Sequence[Merit], read: Read) -> Itera
     """The mean torque of the drive with all friction, and its parts."""
     powers = {(merit.part, merit.figure): merit.value for merit in merits}
     yield from describe_torque(sum_losses(read_motion(system, read), powers))
-
-
-def remark_asperities(system: System, merits: Sequence[Merit], read: Read) -> Iterator[str]:
-    """That friction depends on default asperities; nothing of a system without friction."""
-    if list_losses(system):
-        ratios = find_film_ratios({f"{merit.part}.{merit.figure}": merit.value for merit in merits})
-        yield from remark_soft(list_soft(system, ratios))
 
 
 HEAD = (

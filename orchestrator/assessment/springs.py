@@ -12,7 +12,7 @@ from models.valve_train.wire_materials import Fatigue
 
 from ..scenario.values import WARNING
 from .motion import NONE, Figure, Found, Part, find_largest, find_least
-from .trains import Train, find_trains, parameter_of
+from .trains import Train, find_trains, has_defaults, parameter_of
 
 # What a spring's mass follows from, with units.
 BY_MASS = {"spring_rate": "N/m", "surge_frequency": "Hz"}
@@ -73,8 +73,7 @@ def remark_default_bind(system: System) -> Iterator[str]:
 
 def binds_by_default(spring: Instance) -> bool:
     """Whether the travel until its coils touch is the component's default."""
-    fields = (spring.component.parameters.field(name) for name in _name_gaps(spring))
-    return all(parameter_of(spring, field.name) == field.start for field in fields)
+    return has_defaults(spring, _name_gaps(spring))
 
 
 def remark_masses(systems: Sequence[System], changed: Collection[str] = ()) -> Iterator[str]:

@@ -1,7 +1,7 @@
 """The valve trains of a system, and the angles over which its parts are read; both found by roles."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import chain
@@ -250,6 +250,12 @@ def list_ratios(system: System) -> list[float]:
 def parameter_of(instance: Instance, name: str) -> float:
     """As given, or its default."""
     return instance.parameters.get(name, instance.component.parameters.field(name).start)
+
+
+def has_defaults(instance: Instance, names: Iterable[str]) -> bool:
+    """Whether all these parameters have the component's own values."""
+    fields = map(instance.component.parameters.field, names)
+    return all(parameter_of(instance, field.name) == field.start for field in fields)
 
 
 def count_gas_turns(gas: Instance) -> float:

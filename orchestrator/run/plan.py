@@ -177,9 +177,9 @@ def make_plan(resolved: Resolved, build: Builder, reporter: Reporter, figures: b
     with reporter.stage(FMUS):
         participants = plan_participants(scenario, assembly.linear, build)
     starts = [*list_moved_starts(assembly.system, system), *list_doubtful_equilibrium(scenario, system)]
-    notices = [*starts, *list_doubtful_gas(system), *list_doubts(scenario)]
+    notices = [*starts, *list_doubtful_gas(system), *list_doubts(scenario, system)]
     notices += [scenario.master.chosen] if scenario.master.chosen else []
-    for line in (*describe_turns(scenario), *list_changes(scenario), *notices):
+    for line in (*describe_turns(scenario), *list_changes(scenario, system), *notices):
         reporter.line(line)
     return Plan(
         scenario=scenario,

@@ -20,7 +20,7 @@ static void tell(const Requirement *requirement, const double *numbers, char *me
             snprintf(message + used, size - used, "%s", requirement->words[(int)numbers[0]]);
         } else { /* such as {0:.9g} */
             double number = numbers[text[1] - '0'];
-            if (number != number) number = fabs(number); /* no number is written without a sign, as in Python */
+            if (number != number) number = fabs(number); /* nan has no sign, as in Python */
             char format[16];
             snprintf(format, sizeof format, "%%%.*s", (int)(end - text - 3), text + 3);
             snprintf(message + used, size - used, format, number);

@@ -76,7 +76,8 @@ class Columns(NamedTuple):
 class Heat(NamedTuple):
     """Scratch over nodes. Rises of temperature (K) over rows (n, rows): body 1 from the depth to its surface,
     film, body 2 to the depth; `flat` is `rise` as one vector, `slope` its rate (K/s) at the start,
-    `guess` what `flat` was before the columns were solved. Over layers (n, layers): heat (W/m), its growth
+    in a last stage the temperatures from which that begins, `guess` what `flat` was before the columns were
+    solved. Over layers (n, layers): heat (W/m), its growth
     by the layer's own temperature, what all temperatures make of the stress (1/K), velocity (m/s) less the
     mean, and what heat makes of ln(eta) at no pressure with its slope (1/K). Over nodes: stress (Pa), how
     heat answers the stress, pressure at the base (Pa), heat of asperities (W/m), growth of heat (1/Pa) by the

@@ -7,7 +7,7 @@ import numpy as np
 
 from models.core.system import System
 
-from ..trains import parameter_of
+from ..trains import has_defaults
 from .losses import list_losses, remark_outside
 
 # Of a contact: what says how stiff its asperities are.
@@ -17,6 +17,11 @@ ASPERITIES = ("roughness_parameter", "asperity_slope")
 def remark_friction(system: System, figures: Mapping[Any, Any]) -> Iterator[str]:
     """Sentences to stand beside torques and friction. `figures` "part.figure" may have several values."""
     yield from remark_outside(system)
+    yield from remark_asperities(system, figures)
+
+
+def remark_asperities(system: System, figures: Mapping[Any, Any]) -> Iterator[str]:
+    """That friction depends on default asperities; nothing of a system without friction."""
     if list_losses(system):
         yield from remark_soft(list_soft(system, find_film_ratios(figures)))
 
@@ -38,9 +43,8 @@ def list_soft(system: System, ratios: Mapping[str, float]) -> list[str]:
     found = []
     for name, ratio in ratios.items():
         instance = system.instances[name]
-        fields = [field for field in instance.component.parameters.fields if field.name in ASPERITIES]
-        own = any(parameter_of(instance, field.name) != field.start for field in fields)
-        if 0.0 < ratio < 1.0 and fields and not own:
+        stiff = [one for one in ASPERITIES if one in instance.component.parameters]
+        if 0.0 < ratio < 1.0 and stiff and has_defaults(instance, stiff):
             found.append(name)
     return found
 

@@ -65,11 +65,11 @@ def _doubt_derivatives(objective: Objective, found: Fit) -> list[str]:
     vectors = vectors * np.sign(vectors[np.abs(vectors).argmax(axis=0), range(len(values))])
     step = vectors @ np.sqrt(np.maximum(values, 0.0))
     wide = max(1.0, SHARE / np.max(np.abs(step) / np.maximum(np.abs(found.x), SHARE)))
-    worst, told = MISLED, ""
+    worst, told, residual = MISLED, "", objective.residual(found.x)
     for change in (wide * step, -wide * step):
         if objective.find_failure(found.x + change):
             continue
-        changed = objective.residual(found.x + change) - objective.residual(found.x)
+        changed = objective.residual(found.x + change) - residual
         rows = found.covariance @ found.jacobian.T * (changed - found.jacobian @ change)
         errors = np.abs(rows.sum(axis=1)) / (wide * found.deviations)
         k = int(errors.argmax())

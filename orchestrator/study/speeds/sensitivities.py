@@ -35,7 +35,7 @@ from .subject import (
     find_flywheel,
     find_own_speed,
 )
-from .sweep import parse_speed
+from .sweep import parse_speed, parse_stated
 
 PERIOD = Parameter(0.02, "s", "period of the cycle", positive=True)
 CYCLES = "cycles.zarr"
@@ -183,7 +183,7 @@ def find_coupled_sensitivities(
 def _find_coupled_cycle(scenario: Scenario, asked: Asked) -> tuple[str, float, float]:
     """The flywheel ("": none), the speed and the period that are asked for (nan: none)."""
     speed = math.nan if asked.speed is None else parse_speed("speed", asked.speed)
-    period = math.nan if asked.period is None else parse_speed("period", asked.period, PERIOD, ("ms", "s"))
+    period = math.nan if asked.period is None else parse_stated("period", asked.period, PERIOD, ("ms", "s"))
     try:
         flywheel = find_flywheel(scenario)
     except MistakeError:

@@ -185,11 +185,16 @@ def parse_range(low: str, high: str, count: int) -> Range:
     return Range(ends[0], ends[1], count)
 
 
-def parse_speed(
-    option: str, text: str, kind: Parameter = SPEED, units: Sequence[str] = ("rpm", "rad/s")
-) -> float:
-    """A speed (rad/s), or what is of another kind, that an option states with its unit; MistakeError where
-    it is none. `units` are examples."""
+def parse_speed(option: str, text: str) -> float:
+    """A speed (rad/s) that an option states with its unit; MistakeError where it is none."""
+    return parse_stated(option, text, SPEED, ("rpm", "rad/s"))
+
+
+def parse_stated(option: str, text: str, kind: Parameter, units: Sequence[str]) -> float:
+    """What an option states with its unit, in the unit of its kind; MistakeError where it is none.
+
+    `units` are examples.
+    """
     if is_bare(str(text)):
         examples = ", or ".join(f"{text} {unit}" for unit in units)
         raise MistakeError((Option(option, text), f": write the unit, e.g. {examples}"))

@@ -3,7 +3,6 @@
 import itertools
 import math
 import re
-import tomllib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 from rich.table import Column as Head
 from rich.table import Table
 
@@ -28,6 +28,7 @@ from ...scenario import build_scenario
 from ...scenario.display import Shown, add_unit, format_number, show_attributes
 from ...scenario.system import build_system
 from ...store.csv_file import write_rows
+from ...texts import is_toml, parse_toml
 from .compare import VARIANTS, Worst, find_worst, is_least_worst, name_folder
 from .sweep import Swept
 
@@ -96,15 +97,13 @@ def _split(written: str) -> list[str]:
 
     MistakeError for a decimal comma.
     """
-    try:
-        tomllib.loads(f"value = {written.strip()}")
-    except tomllib.TOMLDecodeError:
-        if comma := _DECIMAL_COMMA.search(written):
-            said = f": '{comma[1]},{comma[2]}': a comma stands between values"
-            remedy = f"write {comma[1]}.{comma[2]}, with a point, or the unit of each value"
-            raise MistakeError((Option("set"), said), remedy) from None
-        return [value.strip() for value in _VALUE.findall(written) if value.strip()] or [written]
-    return [written]
+    if is_toml(written.strip()):
+        return [written]
+    if comma := _DECIMAL_COMMA.search(written):
+        said = f": '{comma[1]},{comma[2]}': a comma stands between values"
+        remedy = f"write {comma[1]}.{comma[2]}, with a point, or the unit of each value"
+        raise MistakeError((Option("set"), said), remedy)
+    return [value.strip() for value in _VALUE.findall(written) if value.strip()] or [written]
 
 
 def sweep_variants(
@@ -177,7 +176,7 @@ def choose_speeds(swept: Mapping[str, Swept]) -> Judged:
     """Designs are judged where all of them are good: where contact is kept and the cycle steady. One that is
     good at no speed of those that are good at more is left out. Where none is good, each has all its own."""
     every = [one.table for one in swept.values()]
-    good = [table.isel(speed=np.flatnonzero(~find_lost(table) & ~find_rippled(table))) for table in every]
+    good = [table.isel(speed=np.flatnonzero(_find_good(table))) for table in every]
     common = np.array([])
     for table in sorted(good, key=lambda table: -table.sizes["speed"]):
         shared = np.intersect1d(table["speed"].values, common) if common.size else table["speed"].values
@@ -258,8 +257,8 @@ def describe_frugal(swept: Mapping[str, Swept]) -> Iterator[str]:
         return
     kept, ends = dict[str, xarray.Dataset](), dict[str, float]()
     for label, one in swept.items():
-        bad = find_lost(one.table) | find_rippled(one.table)
-        kept[label] = one.table.isel(speed=slice(int(np.argmax(bad)) if bad.any() else None))
+        good = _find_good(one.table)
+        kept[label] = one.table.isel(speed=slice(None if good.all() else int(np.argmin(good))))
         ends[label] = RPM * float(kept[label]["speed"].values.max(initial=0.0))
     highest = max(ends.values())
     powers = {
@@ -276,6 +275,11 @@ def describe_frugal(swept: Mapping[str, Swept]) -> Iterator[str]:
     )
     others = [f"{label} ({_explain_end(one)})" for label, one in swept.items() if label not in powers]
     yield f"{said}; not up to there: {'; '.join(others)}" if others else said
+
+
+def _find_good(table: xarray.Dataset) -> NDArray[np.bool_]:
+    """At which speeds contact is kept and the cycle is steady."""
+    return ~(find_lost(table) | find_rippled(table))
 
 
 def _explain_end(one: Swept) -> str:
@@ -342,7 +346,7 @@ def _report(swept: Mapping[str, Swept], variants: Sequence[Variant], out: Path, 
     for outside in {table.attrs["outside"]: 0 for table in judged.tables if table.attrs.get("outside")}:
         reporter.line(f"* {describe_content(outside)}")
     tomls = [text for one in swept.values() if (text := one.summary.get("scenario_toml"))]
-    systems = [build_system(build_scenario(tomllib.loads(text))) for text in tomls]
+    systems = [build_system(build_scenario(parse_toml(text))) for text in tomls]
     for line in (
         *describe_landing(judged, list(swept)), *describe_frugal(swept), *join_remarks(swept),
         *(remark_masses(systems) if systems else ()),
